@@ -1,0 +1,1 @@
+"""Run recordings: rosbag2 MCAP files, metrics and reports; without rclpy."""

@@ -1,0 +1,77 @@
+"""Message definitions as rosbag2 stores them: the .msg text, then that of every type it needs."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from functools import cache
+from pathlib import Path
+
+from lexstack_bag.errors import BagError
+
+PRIMITIVES = frozenset(
+    "bool byte char float32 float64 int8 uint8 int16 uint16 int32 uint32 int64 uint64 "
+    "string wstring".split()
+)
+_SEPARATOR = "=" * 80
+_FIELD = re.compile(r"^\s*([A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+\w+")
+
+
+@cache
+def message_definition(type_name: str) -> str:
+    """Return the full ``ros2msg`` definition of a message type.
+
+    Args:
+        type_name: as ROS names it, e.g. ``std_msgs/msg/Header``.
+
+    Returns:
+        The type's text; then for each type that it needs, directly or not, once: a line of 80
+        ``=``, a line ``MSG: pkg/Type`` and that type's text.
+
+    Raises:
+        BagError: the name is not that of a message, or no text of it is installed.
+    """
+    texts: dict[str, str] = {}
+    waiting = [type_name]
+    while waiting:
+        name = waiting.pop(0)
+        if name in texts:
+            continue
+        texts[name] = _message_text(name)
+        waiting += _needed_types(texts[name], name.split("/", 1)[0])
+    first, *rest = texts.items()
+    return first[1] + "".join(
+        f"\n{_SEPARATOR}\nMSG: {name.replace('/msg/', '/')}\n{text}" for name, text in rest
+    )
+
+
+def _message_text(type_name: str) -> str:
+    """Return the .msg text of one type, searched in the ament prefixes."""
+    package, _, kind = type_name.partition("/msg/")
+    if not kind:
+        raise BagError(f"{type_name}: not a message type")
+    for prefix in _prefixes():
+        path = prefix / "share" / package / "msg" / f"{kind}.msg"
+        if path.is_file():
+            return path.read_text(encoding="utf-8")
+    raise BagError(f"{type_name}: no definition found; is its package installed and sourced?")
+
+
+def _prefixes() -> list[Path]:
+    """Return where packages are installed: the sourced prefixes, then this environment."""
+    sourced = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    return [Path(prefix) for prefix in sourced if prefix] + [Path(sys.prefix)]
+
+
+def _needed_types(text: str, package: str) -> list[str]:
+    """Return the full names of the message types that a .msg text's fields have."""
+    needed = []
+    for line in text.splitlines():
+        match = _FIELD.match(line.split("#", 1)[0])
+        # A bounded string reads string<=10, its bound is cut off by the pattern.
+        if match is None or match[1] in PRIMITIVES:
+            continue
+        owner, _, kind = match[1].replace("/msg/", "/").rpartition("/")
+        needed.append(f"{owner or package}/msg/{kind}")
+    return needed

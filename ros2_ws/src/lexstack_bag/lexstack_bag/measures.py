@@ -1,0 +1,112 @@
+"""What a run's bag says tick by tick: references in effect, errors, acceleration and jerk ratios.
+
+Shapes: T ticks of the plant, K ticks of robot A's command, N robots, n the length of chi.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from lexstack_core.linear import Matrix, Vector
+from lexstack_core.model import Team
+from lexstack_core.rotation import from_quaternion
+from numpy.typing import NDArray
+
+from lexstack_bag.run import Run, Target
+
+COMMANDER = "robot_a"  # whose chi is the command
+_MM = 1e3
+_MRAD = 1e3
+
+
+@dataclass(frozen=True, slots=True)
+class Measures:
+    """A run's time series, from measured positions and the recorded command."""
+
+    time: Vector  # (T,) s, simulated
+    ee: NDArray[np.float64]  # (T, N, 3) m, measured tool positions
+    ee_target: NDArray[np.float64]  # (T, N, 3) m
+    base: NDArray[np.float64]  # (T, N, 3) m, m, rad
+    base_target: NDArray[np.float64]  # (T, N, 3) m, m, rad
+    ee_error: Matrix  # (T, N) mm
+    base_error: Matrix  # (T, N) mm, x and y
+    yaw_error: Matrix  # (T, N) mrad
+    command_time: Vector  # (K,) s
+    acceleration_ratio: Matrix  # (K, n) |a| / limit; nan after a gap in the ticks
+    jerk_ratio: Matrix  # (K, n) |jerk| / limit; nan after a gap in the ticks
+
+
+def measure(run: Run) -> Measures:
+    """Return the time series of a run; runs forward kinematics for every tick."""
+    team = run.team()
+    q, time = run.plant.q, run.plant.stamp
+    ee = np.array([[pose.position for pose in team.tools(row)] for row in q])
+    ee = ee.reshape(len(q), len(team.names), 3)
+    base = np.stack([q[:, part][:, :3] for part in team.slices], axis=1)
+    ee_target, base_target = _references(run, team)
+    yaw = base[:, :, 2] - base_target[:, :, 2]
+    acceleration, jerk = _ratios(run, team)
+    return Measures(
+        time,
+        ee,
+        ee_target,
+        base,
+        base_target,
+        _MM * np.linalg.norm(ee - ee_target, axis=2),
+        _MM * np.linalg.norm(base[:, :, :2] - base_target[:, :, :2], axis=2),
+        _MRAD * np.abs(np.arctan2(np.sin(yaw), np.cos(yaw))),
+        run.chi[COMMANDER].stamp,
+        acceleration,
+        jerk,
+    )
+
+
+def _references(run: Run, team: Team) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the references in effect at every tick: (T, N, 3) end effectors and bases."""
+    scenario = run.resolved.scenario
+    start = team.tools(team.home(run.resolved))
+    ee, base = [], []
+    for name, pose in zip(team.names, start, strict=True):
+        own = scenario.ee_target.get(name)
+        first = pose.position if own is None else np.array(own.position)
+        ee.append(_held(run, name, "ee", first, lambda target: target.position))
+        place = scenario.base_target.get(name, scenario.robots[name].base)
+        base.append(_held(run, name, "base", np.array(place), _planar))
+    return np.stack(ee, axis=1), np.stack(base, axis=1)
+
+
+def _held(
+    run: Run, robot: str, kind: str, first: Vector, value: Callable[[Target], Vector]
+) -> Matrix:
+    """Return one reference at every tick, shape (T, 3): ``first`` until a target holds."""
+    mine = [t for t in run.targets if t.robot == robot and t.kind == kind]
+    mine.sort(key=lambda target: target.time)  # stable: of two for one time the later came last
+    values = np.array([first, *(value(target) for target in mine)])
+    # Half a tick of slack: stamps are rounded to nanoseconds.
+    times = run.plant.stamp + 0.5 * run.period
+    return values[np.searchsorted([target.time for target in mine], times, side="right")]
+
+
+def _planar(target: Target) -> Vector:
+    """Return x [m], y [m], yaw [rad] of a base target."""
+    rotation = from_quaternion(target.quaternion)
+    return np.array([*target.position[:2], np.arctan2(rotation[1, 0], rotation[0, 0])])
+
+
+def _ratios(run: Run, team: Team) -> tuple[Matrix, Matrix]:
+    """Return acceleration and jerk of the command over their limits, shape (K, n) each.
+
+    A difference across a gap in the ticks is no acceleration: it is nan. The first command is
+    taken against what the plant executed before it, and from rest if that was nothing.
+    """
+    command, dt = run.chi[COMMANDER], run.period
+    before = run.plant.command[np.isin(run.plant.tick, command.tick[:1])]
+    if not len(before):
+        before = np.full((1, team.n), np.nan)
+    acceleration = np.diff(command.chi, axis=0, prepend=before) / dt
+    acceleration[1:][np.diff(command.tick) != 1] = np.nan
+    rest = np.where(before.any(), np.nan, np.zeros((1, team.n)))
+    jerk = np.diff(acceleration, axis=0, prepend=rest) / dt
+    return np.abs(acceleration) / team.limits.acceleration, np.abs(jerk) / team.limits.jerk

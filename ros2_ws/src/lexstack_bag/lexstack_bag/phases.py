@@ -1,0 +1,75 @@
+"""The phases of a run: which stack robot A was on or on its way to, from when to when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from lexstack_core.linear import Vector
+from numpy.typing import NDArray
+
+from lexstack_bag.measures import COMMANDER
+from lexstack_bag.run import Run, TransitionPhase
+
+EE_TASKS = frozenset({"ee_pose", "ee_position"})
+BASE_TASKS = frozenset({"base"})
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """The time from one trigger to the next."""
+
+    stack: str
+    start: float  # s, the trigger; of the first phase the run's first tick
+    end: float  # s, the next trigger or the run's end; not part of it
+    adopted: float | None  # s, when robot A took the stack over; None: never, or the first phase
+
+    def ticks(self, time: Vector) -> NDArray[np.bool_]:
+        """Return which of these times [s] lie in the phase."""
+        slack = 1e-6  # stamps are rounded to nanoseconds
+        return np.asarray((time >= self.start - slack) & (time < self.end - slack))
+
+
+def find_phases(run: Run) -> tuple[Phase, ...]:
+    """Return the phases: the first stack, then one for every switch that was triggered.
+
+    A trigger is the first tick at which the source prepares the new stack or the blend runs:
+    when a request that names a later tick takes effect.
+    """
+    first = float(run.plant.stamp[0])
+    end = float(run.plant.stamp[-1]) + run.period
+    stack = run.chi[COMMANDER].stack
+    initial = str(stack[0]) if len(stack) else run.resolved.scenario.initial_stack
+    starts = [(first, initial, None), *_switches(run)]
+    ends = [start for start, _, _ in starts[1:]] + [end]
+    return tuple(
+        Phase(stack, start, until, adopted)
+        for (start, stack, adopted), until in zip(starts, ends, strict=True)
+    )
+
+
+def _switches(run: Run) -> list[tuple[float, str, float | None]]:
+    """Return trigger, stack and adoption of every switch."""
+    status = run.transition
+    under_way = np.isin(status.phase, (TransitionPhase.PREPARING, TransitionPhase.BLENDING))
+    switches = []
+    for number in sorted(set(status.id[under_way].tolist())):
+        mine = status.id == number
+        trigger = int(np.flatnonzero(mine & under_way)[0])
+        target = str(status.to_stack[trigger])
+        taken_over = (status.phase == TransitionPhase.ADOPTING) | (
+            (status.phase == TransitionPhase.IDLE) & (status.from_stack == target)
+        )
+        after = mine & taken_over & (np.arange(len(mine)) > trigger)
+        adopted = float(status.stamp[after][0]) if after.any() else None
+        switches.append((float(status.stamp[trigger]), target, adopted))
+    return switches
+
+
+def robots_with(run: Run, stack: str, types: frozenset[str]) -> tuple[str, ...]:
+    """Return the robots for which a stack has a task of one of these types."""
+    config = run.resolved.stacks.get(stack)
+    if config is None:
+        return ()
+    tasks = [task for level in config.levels for task in level.tasks if task.type in types]
+    return tuple(name for name in run.robots if any(t.robot in ("", name) for t in tasks))

@@ -1,0 +1,139 @@
+"""A recorded run as one value: what analysis and replay work on.
+
+T is the number of recorded ticks of a stream, n the length of chi, N the number of robots.
+Vectors stack the robots in the configured order; per robot base x [m], y [m], yaw [rad] in the
+world frame, then the arm joints [rad]. Times are simulated seconds. All arrays are read-only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.linear import Matrix, Vector
+from lexstack_core.model import Team
+from numpy.typing import NDArray
+
+Integers = NDArray[np.int64]
+Strings = NDArray[np.str_]
+
+
+class TransitionPhase(IntEnum):
+    """``phase`` of ``TransitionStatus``."""
+
+    IDLE = 0
+    REQUESTED = 1
+    PREPARING = 2
+    BLENDING = 3
+    ADOPTING = 4
+    ABORTED = 5
+
+
+class SolveStatus(IntEnum):
+    """``status`` of ``Chi``."""
+
+    SOLVED = 0
+    FALLBACK = 1
+    FAILED = 2
+
+
+@dataclass(frozen=True, slots=True)
+class PlantStream:
+    """``/plant/state``, one row per tick, ticks ascending."""
+
+    tick: Integers  # (T,)
+    stamp: Vector  # (T,) s
+    q: Matrix  # (T, n) measured
+    v: Matrix  # (T, n) measured
+    q_star: Matrix  # (T, n) Euler integral of the commands
+    command: Matrix  # (T, n) the chi that was accepted last
+    status: Integers  # (T,)
+    late_ticks: Integers  # (T,) so far
+    missing_ticks: Integers  # (T,) so far
+
+
+@dataclass(frozen=True, slots=True)
+class ChiStream:
+    """``/NAME/chi``, one row per tick, ticks ascending; rows that were empty are nan."""
+
+    tick: Integers  # (T,)
+    stamp: Vector  # (T,) s
+    stack: Strings  # (T,) the stack that was solved
+    transition_id: Integers  # (T,)
+    chi: Matrix  # (T, n) m/s, rad/s
+    lower: Matrix  # (T, n) bounds on chi
+    upper: Matrix  # (T, n)
+    slacks: tuple[Vector, ...]  # T vectors: each level's residual
+    status: Integers  # (T,) of SolveStatus
+    empty_bounds: Integers  # (T,) ticks so far with an empty box
+    solve_time: Vector  # (T,) s, wall clock
+    reason: Strings  # (T,)
+
+
+@dataclass(frozen=True, slots=True)
+class TransitionStream:
+    """``/robot_a/transition``, one row per message in the order of their arrival."""
+
+    tick: Integers  # (T,)
+    stamp: Vector  # (T,) s
+    id: Integers  # (T,)
+    from_stack: Strings  # (T,)
+    to_stack: Strings  # (T,)
+    source: Strings  # (T,)
+    method: Strings  # (T,)
+    phase: Integers  # (T,) of TransitionPhase
+    alpha: Vector  # (T,)
+    duration: Vector  # (T,) s
+    gap: Vector  # (T,) m/s and rad/s, nan without a source
+    reason: Strings  # (T,)
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """One reference pose that somebody published."""
+
+    robot: str
+    kind: Literal["ee", "base"]
+    time: float  # s, simulated, from which it holds
+    position: Vector  # (3,) m, world
+    quaternion: Vector  # (4,) x, y, z, w
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Everything that analysis takes from a bag."""
+
+    path: Path  # of the first .mcap file
+    facts: dict[str, str]  # the Metadata record `lexstack`: versions, mode, seed
+    resolved: ResolvedScenario
+    plant: PlantStream
+    chi: dict[str, ChiStream]  # by robot
+    transition: TransitionStream
+    targets: tuple[Target, ...]  # in the order of their arrival
+    messages: dict[str, int]  # count by topic
+    lost: int  # messages that the recorder missed
+    complete: bool  # False: the file ends before its end
+
+    @property
+    def period(self) -> float:
+        """The length of a tick [s]."""
+        return 1.0 / self.resolved.scenario.rate
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """The robots' names in the order of chi."""
+        return tuple(self.resolved.scenario.robots)
+
+    def team(self) -> Team:
+        """Return the robots' models."""
+        return Team.from_scenario(self.resolved)
+
+
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """Return the array, made read-only."""
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,32 @@
+"""Package description for colcon and pip."""
+
+from setuptools import find_packages, setup
+
+PACKAGE = "lexstack_bag"
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    description="Recordings of lexstack: rosbag2 MCAP writer and reader, metrics and report.",
+    license="Apache-2.0",
+    maintainer="The lexstack authors",
+    maintainer_email="lexstack@users.noreply.github.com",
+    python_requires=">=3.11",
+    packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
+    package_data={PACKAGE: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (f"share/{PACKAGE}", ["package.xml"]),
+    ],
+    install_requires=[
+        "lexstack-core",
+        "mcap>=1.2",
+        "mcap-ros2-support>=0.5",
+        "numpy>=2",
+        "pillow",
+        "plotly>=6",
+        "PyYAML>=6",
+        "rosbags>=0.11",
+    ],
+    zip_safe=False,
+)

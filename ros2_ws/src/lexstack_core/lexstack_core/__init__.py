@@ -1,0 +1,1 @@
+"""Hierarchical QP control, stack transitions and robot models; without ROS."""

@@ -1,0 +1,205 @@
+"""Bounds on chi that are feasible at every step: position, velocity and acceleration together.
+
+T(31) intersects three boxes and is empty as soon as a joint moves towards a position limit faster
+than it can brake. Here the position limit enters through the speed from which the joint can still
+stop in front of it, per joint with v the velocity applied last, d the room left, a the
+acceleration limit and dt the control period:
+
+    u(d) = sgn(d) (-a dt + sqrt(a^2 dt^2 + 2 a |d|))
+    U = clip(u(q_max - q), -v_max, v_max)        L = clip(u(q_min - q), -v_max, v_max)
+    lower = clip(L, v - a dt, v + a dt)          upper = clip(U, v - a dt, v + a dt)
+
+u is odd and increasing, clipping is monotone: lower <= upper from every state. In discrete time,
+q(k+1) = q(k) + dt chi, moving at u(d) leaves the room d' with u(d') >= u(d) - a dt, so the box of
+the next step always reaches below U again: whoever is inside the limits stays inside.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack_core.errors import ModelError
+from lexstack_core.linear import Vector
+
+# Stands for an infinite position limit: far enough that the velocity limit decides, near enough
+# that 2 a d does not overflow.
+_FAR = 1e100
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """A box ``lower <= chi <= upper``; +-inf is legal, ``lower <= upper`` always holds.
+
+    Attributes:
+        lower: shape (n,), m/s and rad/s.
+        upper: shape (n,), m/s and rad/s.
+    """
+
+    lower: Vector
+    upper: Vector
+
+    @property
+    def empty(self) -> int:
+        """Number of joints whose interval is empty (0 for every box made in this module)."""
+        return int(np.count_nonzero(~(self.lower <= self.upper)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointLimits:
+    """What the joints of all robots can do; read-only copies, of shape (n,) unless said.
+
+    Raises ModelError if the lengths differ, or a value is not what its line below says.
+
+    Attributes:
+        position_lower: m and rad; -inf where there is none.
+        position_upper: m and rad, at least ``position_lower``; inf where there is none.
+        velocity: m/s and rad/s, finite and positive.
+        acceleration: m/s^2 and rad/s^2, finite and positive.
+        jerk: m/s^3 and rad/s^3, positive; inf where there is none.
+        walls: both position limits, lower first, finite, shape (2n,).
+        speeds: ``velocity`` for either of them, shape (2n,).
+        rates: ``acceleration`` for either of them, shape (2n,).
+    """
+
+    position_lower: Vector
+    position_upper: Vector
+    velocity: Vector
+    acceleration: Vector
+    jerk: Vector
+    # Below: the lower, then the upper side in one vector, so that one pass of plain vector
+    # operations makes both sides of a box; broadcasting would double the time of each.
+    walls: Vector = field(init=False, repr=False)
+    speeds: Vector = field(init=False, repr=False)
+    rates: Vector = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Copy, check and freeze the arrays."""
+        for name in ("position_lower", "position_upper", "velocity", "acceleration", "jerk"):
+            value = np.array(getattr(self, name), dtype=np.float64)
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+            if value.ndim != 1 or value.size != self.position_lower.size:
+                expected = f"({self.position_lower.size},)"
+                raise ModelError(f"joint limits: {name}: shape {value.shape}, expected {expected}")
+        self._require(
+            self.position_lower <= self.position_upper, "position_lower", "at most position_upper"
+        )
+        for name in ("velocity", "acceleration"):
+            value = getattr(self, name)
+            self._require(np.isfinite(value) & (value > 0.0), name, "finite and positive")
+        self._require(self.jerk > 0.0, "jerk", "positive")
+        walls = np.concatenate((self.position_lower, self.position_upper))
+        object.__setattr__(self, "walls", np.clip(walls, -_FAR, _FAR))
+        object.__setattr__(self, "speeds", np.concatenate((self.velocity,) * 2))
+        object.__setattr__(self, "rates", np.concatenate((self.acceleration,) * 2))
+
+    def _require(self, holds: NDArray[np.bool_], name: str, what: str) -> None:
+        """Raise ModelError for the first joint that breaks a rule."""
+        if not holds.all():
+            joint = int(np.argmin(holds))
+            value = getattr(self, name)[joint]
+            raise ModelError(f"joint limits: {name}[{joint}] = {value}, must be {what}")
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return int(self.position_lower.size)
+
+
+def viable_bounds(
+    position: Vector,
+    limits: JointLimits,
+    dt: float,
+    applied: Vector,
+    sent: Vector | None = None,
+) -> Bounds:
+    """Return the box of all chi after which the joints can still stop within their limits.
+
+    Takes the place of T(31). Where the joint starts outside its position limits or above its
+    velocity limit, the box leads back at the acceleration limit. ``lower <= upper`` holds for
+    every finite input; a NaN in the input is a NaN, hence an empty interval, in the output.
+
+    Args:
+        position: q*, the integral of the commands, shape (n,), m and rad.
+        limits: of all robots.
+        dt: control period [s].
+        applied: the velocity that the plant applied last, shape (n,).
+        sent: the velocity that was sent last, if it may not have arrived. The box then keeps the
+            acceleration limit whichever of the two the plant has, except on joints where they
+            are too far apart for that: there it is the box of ``applied``.
+    """
+    box = _stoppable(position, limits, dt)
+    reach = limits.acceleration * dt
+    lowest, highest = applied - reach, applied + reach
+    if sent is not None:
+        lowest, highest = _common(lowest, highest, sent - reach, sent + reach)
+    n = position.size
+    lower, upper = box[:n], box[n:]
+    for side in (lower, upper):
+        np.maximum(side, lowest, out=side)
+        np.minimum(side, highest, out=side)
+    return _frozen(lower, upper)
+
+
+def target_bounds(position: Vector, limits: JointLimits, dt: float) -> Bounds:
+    """Return the viable bounds without the acceleration box, T(35): of a target, not a command.
+
+    Args:
+        position: q*, shape (n,), m and rad.
+        limits: of all robots.
+        dt: control period [s].
+    """
+    box = _stoppable(position, limits, dt)
+    return _frozen(box[: position.size], box[position.size :])
+
+
+def approach_speed(room: Vector, rate: Vector, dt: float) -> Vector:
+    """Return u(d), the speed from which ``rate`` still stops within the room d, in steps of dt.
+
+    A jerk limit is the same law one derivative up: room in velocity, rate in jerk.
+
+    Args:
+        room: signed distance to the limit, shape (n,).
+        rate: the largest change of the result per second, shape (n,), positive.
+        dt: control period [s].
+    """
+    # The printed form subtracts nearly equal numbers close to the limit; this quotient is equal to
+    # it, has no cancellation, and carries the sign of d by itself.
+    reach = rate * dt
+    doubled = rate * room
+    doubled += doubled
+    root = np.abs(doubled)
+    root += reach * reach
+    np.sqrt(root, out=root)
+    root += reach
+    return np.divide(doubled, root, out=root)
+
+
+def _stoppable(position: Vector, limits: JointLimits, dt: float) -> Vector:
+    """Return L then U, shape (2n,): how fast each joint may move towards either limit."""
+    room = limits.walls - np.concatenate((position, position))
+    speed = approach_speed(room, limits.rates, dt)
+    np.minimum(speed, limits.speeds, out=speed)
+    return np.maximum(speed, -limits.speeds, out=speed)
+
+
+def _common(
+    lower: Vector, upper: Vector, other_lower: Vector, other_upper: Vector
+) -> tuple[Vector, Vector]:
+    """Return the intersection of two boxes, and the first one on joints where it is empty."""
+    lowest = np.maximum(lower, other_lower)
+    highest = np.minimum(upper, other_upper)
+    apart = lowest > highest
+    if apart.any():
+        return np.where(apart, lower, lowest), np.where(apart, upper, highest)
+    return lowest, highest
+
+
+def _frozen(lower: Vector, upper: Vector) -> Bounds:
+    """Return read-only bounds."""
+    lower.setflags(write=False)
+    upper.setflags(write=False)
+    return Bounds(lower, upper)

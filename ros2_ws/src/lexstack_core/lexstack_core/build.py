@@ -1,0 +1,52 @@
+"""From a resolved scenario to the parts that run: the one place where they are put together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.controller import Controller
+from lexstack_core.hqp import make_solver
+from lexstack_core.model import Team
+from lexstack_core.references import ReferenceSchedule
+from lexstack_core.stack import Stack, build_stack
+from lexstack_core.stack_solver import StackSolver
+from lexstack_core.transition.machine import Transition
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """What a scenario's controllers share: built anew for each of them."""
+
+    team: Team
+    stacks: dict[str, Stack]
+    dt: float
+
+    @classmethod
+    def of(cls, resolved: ResolvedScenario) -> Parts:
+        """Build team and stacks; raises ConfigurationError or ModelError."""
+        team = Team.from_scenario(resolved)
+        stacks = {name: build_stack(config, team) for name, config in resolved.stacks.items()}
+        return cls(team, stacks, 1.0 / resolved.scenario.rate)
+
+
+def build_references(resolved: ResolvedScenario, team: Team) -> ReferenceSchedule:
+    """Return the scenario's first references."""
+    return ReferenceSchedule.from_scenario(resolved.scenario, team, team.home(resolved))
+
+
+def build_stack_solver(resolved: ResolvedScenario, parts: Parts) -> StackSolver:
+    """Return robot B's solver."""
+    return StackSolver(parts.team, parts.stacks, make_solver(resolved.scenario.solver), parts.dt)
+
+
+def build_controller(resolved: ResolvedScenario, parts: Parts) -> Controller:
+    """Return robot A's controller."""
+    local = build_stack_solver(resolved, parts)
+    return Controller(
+        parts.team,
+        build_references(resolved, parts.team),
+        Transition(parts.stacks, local, resolved.scenario),
+        make_solver(resolved.scenario.solver),
+        parts.dt,
+    )

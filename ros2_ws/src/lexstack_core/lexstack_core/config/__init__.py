@@ -1,0 +1,1 @@
+"""The configuration: one schema, from YAML files to frozen dataclasses."""

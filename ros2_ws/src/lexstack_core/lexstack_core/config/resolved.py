@@ -1,0 +1,94 @@
+"""A scenario with everything it names, loaded: what a run needs, and what its bag carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+import yaml
+
+from lexstack_core.config.reader import build, parse_yaml, plain, read_yaml
+from lexstack_core.config.robot import RobotConfig
+from lexstack_core.config.scenario import ScenarioConfig
+from lexstack_core.config.stack import StackConfig
+from lexstack_core.errors import ConfigurationError
+
+T = TypeVar("T", RobotConfig, StackConfig)
+
+
+@dataclass(frozen=True, slots=True)
+class ResolvedScenario:
+    """A scenario, the kinds of robots that it uses, and every stack that can be asked for."""
+
+    scenario: ScenarioConfig
+    robots: dict[str, RobotConfig]  # by model name
+    stacks: dict[str, StackConfig]  # by stack name
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a robot or stack that is named but not there."""
+        for name, placement in self.scenario.robots.items():
+            _known(f"{where}: robots.{name}.model", placement.model, self.robots)
+        _known(f"{where}: initial_stack", self.scenario.initial_stack, self.stacks)
+        for i, event in enumerate(self.scenario.events):
+            if event.switch:
+                _known(f"{where}: events[{i}].switch", event.switch, self.stacks)
+
+    def to_yaml(self) -> str:
+        """Return the whole as one YAML text, which ``from_yaml`` reads again."""
+        return yaml.safe_dump(plain(self), sort_keys=False, allow_unicode=True)
+
+    @classmethod
+    def from_yaml(cls, text: str, where: str) -> ResolvedScenario:
+        """Return the scenario in a text that ``to_yaml`` wrote; ``where`` names its origin."""
+        return build(cls, parse_yaml(text, where), where)
+
+
+def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
+    """Return a scenario file with its robots and all stacks of the configuration folder.
+
+    Args:
+        path: the scenario's file.
+        config: the folder with ``robots/`` and ``stacks/``; default: the one above the scenario's.
+
+    Raises:
+        ConfigurationError: a file is missing or wrong; the text names the file and the key.
+    """
+    folder = path.resolve().parent.parent if config is None else config
+    scenario = build(ScenarioConfig, read_yaml(path), str(path))
+    resolved = ResolvedScenario(
+        scenario,
+        {
+            model: load_robot(folder / "robots" / f"{model}.yaml")
+            for model in dict.fromkeys(place.model for place in scenario.robots.values())
+        },
+        load_stacks(folder / "stacks"),
+    )
+    resolved.validate(str(path))
+    return resolved
+
+
+def load_robot(path: Path) -> RobotConfig:
+    """Return one robot file."""
+    return _named(build(RobotConfig, read_yaml(path), str(path)), path)
+
+
+def load_stacks(folder: Path) -> dict[str, StackConfig]:
+    """Return every stack file of a folder, by name."""
+    files = sorted(folder.glob("*.yaml"))
+    return {
+        path.stem: _named(build(StackConfig, read_yaml(path), str(path)), path) for path in files
+    }
+
+
+def _named(config: T, path: Path) -> T:
+    """Return ``config`` if it bears its file's name."""
+    if config.name != path.stem:
+        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {config.name!r}")
+    return config
+
+
+def _known(where: str, name: str, known: dict[str, T]) -> None:
+    """Raise ConfigurationError unless ``name`` is a key of ``known``."""
+    if name not in known:
+        raise ConfigurationError(f"{where}: unknown {name!r}; known: {', '.join(sorted(known))}")

@@ -1,0 +1,131 @@
+"""The schema of ``config/scenarios/*.yaml``: robots, timing, and what happens when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from lexstack_core.config.checks import not_negative, positive
+from lexstack_core.config.robot import Vector3
+from lexstack_core.errors import ConfigurationError
+
+Quaternion = tuple[float, float, float, float]
+Mode = Literal["lockstep", "realtime"]
+
+
+@dataclass(frozen=True, slots=True)
+class PlacementConfig:
+    """One robot of the scenario: its kind, and where its base starts."""
+
+    model: str  # a name of config/robots
+    base: Vector3  # x [m], y [m], yaw [rad] in the world frame
+
+
+@dataclass(frozen=True, slots=True)
+class PoseConfig:
+    """A pose in the world frame."""
+
+    position: Vector3  # m
+    orientation: Quaternion  # x, y, z, w
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError unless the quaternion has unit length."""
+        norm = sum(value * value for value in self.orientation) ** 0.5
+        if abs(norm - 1.0) > 1e-3:
+            raise ConfigurationError(f"{where}: orientation: norm must be 1, got {norm:.4f}")
+
+
+@dataclass(frozen=True, slots=True)
+class TransitionConfig:
+    """How robot A goes from one stack to another."""
+
+    duration: float  # s, of the blend
+    method: Literal["bridge"] = "bridge"
+    profile: Literal["quintic", "cosine", "linear"] = "quintic"
+    on_loss: Literal["local", "minimum_velocity"] = "local"  # what A follows when B is lost
+    at_end: Literal["adopt", "stay"] = "adopt"  # take the stack over, or stay with B
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a duration that is not positive."""
+        positive(where, duration=self.duration)
+
+
+@dataclass(frozen=True, slots=True)
+class TimeoutsConfig:
+    """Every wait has an end."""
+
+    source_wall: float = 1.0  # s of wall time that A waits for B's chi of a tick (lockstep)
+    source_stale: float = 0.05  # s of simulated time after which B's chi is stale (realtime)
+    source_patience: float = 0.5  # s of simulated time that A waits for B's first chi (realtime)
+    command_wall: float = 2.0  # s of wall time that the bridge waits for a command (lockstep)
+    watchdog: float = 0.1  # s of simulated time without a command after which the bases brake
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a timeout that is not positive."""
+        positive(
+            where,
+            source_wall=self.source_wall,
+            source_stale=self.source_stale,
+            source_patience=self.source_patience,
+            command_wall=self.command_wall,
+            watchdog=self.watchdog,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class EventConfig:
+    """What happens at one time: new references, and perhaps a switch of the stack."""
+
+    at: float  # s, simulated
+    switch: str = ""  # the stack to switch to; empty: none
+    duration: float = 0.0  # s of the transition; 0: from the scenario's transition
+    ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # by robot
+    base_target: dict[str, Vector3] = field(default_factory=dict)  # by robot: x, y, yaw
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for negative times."""
+        not_negative(where, at=self.at, duration=self.duration)
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioConfig:
+    """A whole run."""
+
+    name: str
+    description: str
+    robots: dict[str, PlacementConfig]  # in the order of chi
+    rate: float  # Hz, ticks per simulated second
+    duration: float  # s, simulated
+    initial_stack: str
+    transition: TransitionConfig
+    events: tuple[EventConfig, ...] = ()
+    ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # default: where it starts
+    base_target: dict[str, Vector3] = field(default_factory=dict)  # default: where it starts
+    timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)
+    solver: str = "daqp"  # a key of lexstack_core.hqp.SOLVERS
+    mode: Mode = "lockstep"
+    seed: int = 0
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for unknown robots and values out of range."""
+        positive(where, rate=self.rate, duration=self.duration)
+        if not self.robots:
+            raise ConfigurationError(f"{where}: robots: at least one robot is needed")
+        targets: list[tuple[str, dict[str, PoseConfig] | dict[str, Vector3]]] = [
+            ("ee_target", self.ee_target),
+            ("base_target", self.base_target),
+        ]
+        for i, event in enumerate(self.events):
+            targets += [
+                (f"events[{i}].ee_target", event.ee_target),
+                (f"events[{i}].base_target", event.base_target),
+            ]
+            if event.at >= self.duration:
+                raise ConfigurationError(f"{where}: events[{i}].at: after the scenario's end")
+        for key, by_robot in targets:
+            for robot in by_robot:
+                if robot not in self.robots:
+                    known = ", ".join(self.robots)
+                    raise ConfigurationError(
+                        f"{where}: {key}: unknown robot {robot!r}; known: {known}"
+                    )

@@ -1,0 +1,115 @@
+"""What robot A does at every tick: it serves its stack, or goes smoothly to another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from lexstack_core.bounds import Bounds, viable_bounds
+from lexstack_core.hqp import HqpProblem, HqpSolver, Solution
+from lexstack_core.linear import Vector
+from lexstack_core.model import Team
+from lexstack_core.references import ReferenceSchedule
+from lexstack_core.state import RobotState
+from lexstack_core.transition.machine import Transition
+from lexstack_core.transition.status import TransitionState
+
+_ROUNDING = 1e-7  # how far a solver may leave the box, in the unit of chi, before it is clipped
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """What A sends at one tick.
+
+    Attributes:
+        tick: the tick whose state it answers.
+        stamp: that state's time [s].
+        stack: the stack in effect; during a blend the one that A goes to.
+        chi: the command, shape (n,), inside ``bounds``.
+        bounds: the box at this tick.
+        slacks: norm of the residual of each level that A solved.
+        fallback: empty, or why the solver's answer was not used: then A brakes.
+        transition: where the transition stands.
+        solve_time: wall time of the whole tick [s].
+    """
+
+    tick: int
+    stamp: float
+    stack: str
+    chi: Vector
+    bounds: Bounds
+    slacks: Vector
+    fallback: str
+    transition: TransitionState
+    solve_time: float
+
+
+class Controller:
+    """Robot A: one call of ``tick`` per state, one command back, always inside the bounds."""
+
+    def __init__(
+        self,
+        team: Team,
+        references: ReferenceSchedule,
+        transition: Transition,
+        solver: HqpSolver,
+        dt: float,
+    ) -> None:
+        """Put the parts together; ``dt`` is the control period [s]."""
+        self.references = references
+        self.transition = transition
+        self._team = team
+        self._solver = solver
+        self._dt = dt
+        self._sent: Vector | None = None
+        self._warm: Solution | None = None
+
+    def tick(self, state: RobotState) -> Command:
+        """Return the command for this state; it never raises for what a solver does.
+
+        The same states, requests, targets and samples give the same commands, bit for bit.
+        """
+        begun = perf_counter()
+        kinematics = self._team.kinematics(state)
+        plan = self.transition.step(kinematics, self.references.at(state.stamp))
+        bounds = viable_bounds(
+            state.q_star, self._team.limits, self._dt, state.command, sent=self._sent
+        )
+        solution = self._solver.solve(HqpProblem(plan.levels, bounds), self._warm)
+        chi, fallback = checked(solution, bounds)
+        self._warm = None if fallback else solution
+        self._sent = chi
+        stack = self.transition.target.name
+        told = self.transition.finish(plan, chi)
+        return Command(
+            state.tick,
+            state.stamp,
+            stack,
+            chi,
+            bounds,
+            solution.slacks,
+            fallback,
+            told,
+            perf_counter() - begun,
+        )
+
+
+def checked(solution: Solution, bounds: Bounds) -> tuple[Vector, str]:
+    """Return the chi that may be sent, shape (n,), and why it is not the solver's, or ''.
+
+    A solution that failed, is not finite or leaves the box is replaced by the box's nearest
+    point to zero: the robots brake as fast as their limits allow.
+    """
+    if not solution.solved:
+        reason = solution.reason
+    elif not np.all(np.isfinite(solution.chi)):
+        reason = "the solver returned numbers that are not finite"
+    else:
+        clipped = np.clip(solution.chi, bounds.lower, bounds.upper)
+        excess = float(np.max(np.abs(clipped - solution.chi)))
+        if excess <= _ROUNDING:
+            return clipped, ""
+        reason = f"the solver left the bounds by {excess:.3g}"
+    return np.clip(0.0, bounds.lower, bounds.upper), f"braking: {reason}"

@@ -1,0 +1,189 @@
+"""Strict priorities: exchange on the whole hierarchy first, then one level after the other.
+
+Each level of the cascade is solved in the null space of those above, T(8) to T(15) with the
+equalities T(11), T(15) eliminated: chi = chi_k + N z. The bounds of chi and the inequality rows of
+the levels above become two-sided rows of z, clamped so that z = 0 stays feasible whatever rounding
+has done. Every level below therefore only moves where no level above notices.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack_core.hqp.exchange import solve_by_exchange
+from lexstack_core.hqp.factor import factorise
+from lexstack_core.hqp.problem import HqpProblem, Solution, Status
+from lexstack_core.hqp.qp import LevelQp, QpBackend
+from lexstack_core.hqp.refine import Point, refine
+from lexstack_core.hqp.rows import FEASIBILITY, LevelRows, Signs
+from lexstack_core.linear import LinearTask, Matrix, Vector
+
+_NEGLIGIBLE = 1e-9  # rows of a reduced bound shorter than this cannot leave it
+
+
+class NullSpaceCascade:
+    """The strict solver around a backend for quadratic programs."""
+
+    def __init__(self, backend: QpBackend, exchanges: int = 6) -> None:
+        """Use a backend; ``exchanges`` guesses are tried first, 0 leaves all to the backend."""
+        self.name = f"{backend.name}_cascade"
+        self._backend = backend
+        self._exchanges = exchanges
+
+    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
+        """Solve all levels in order.
+
+        Freedom that no level uses is spent on the smallest ``||chi||``. ``warm`` speeds the solve
+        up by its active set and has no other influence than rounding.
+
+        Raises:
+            InputError: a task does not fit chi (a programming error, not a state of the robot).
+        """
+        start = time.perf_counter()
+        lower, upper = problem.bounds.lower, problem.bounds.upper
+        n = lower.size
+        levels = [LevelRows(tasks, n) for tasks in problem.levels]
+        rest = np.minimum(np.maximum(lower, 0.0), upper)
+        reason = _unusable(levels, lower, upper, rest)
+        if reason:
+            return _failed(levels, _inside(lower, upper), reason, start)
+        held: Signs = np.zeros(n, dtype=np.int8)
+        if warm is not None and warm.active.size == n:
+            held = warm.active
+        chi = solve_by_exchange(levels, lower, upper, held, self._exchanges)
+        if chi is None:
+            chi, reason = self._descend(levels, lower, upper, rest, held)
+        chi = np.minimum(np.maximum(chi, lower), upper)
+        return _solution(levels, lower, upper, chi, reason, start)
+
+    def _descend(
+        self, levels: list[LevelRows], lower: Vector, upper: Vector, chi: Vector, held: Signs
+    ) -> tuple[Vector, str]:
+        """Solve level by level from a chi inside the bounds; return chi and why it stopped."""
+        basis: Matrix = np.eye(lower.size)[:, upper - lower > FEASIBILITY]
+        kept: list[tuple[Matrix, Vector, Vector]] = []
+        for k, level in enumerate([*levels, _smallest(lower.size)]):
+            if basis.shape[1] == 0:
+                break
+            qp, joints = _reduce(level, chi, basis, lower, upper, kept)
+            guess = np.zeros(qp.hard_lower.size, dtype=np.int8)
+            guess[: joints.size] = held[joints]
+            point = self._solve_level(qp, guess)
+            if isinstance(point, str):
+                return chi, f"level {k}: {self._backend.name}: {point}"
+            chi = np.minimum(np.maximum(chi + basis.dot(point.z), lower), upper)
+            basis = basis.dot(point.null)
+            if not level.exact:
+                kept.append(_satisfied(level, point.broken))
+        return chi, ""
+
+    def _solve_level(self, qp: LevelQp, guess: Signs) -> Point | str:
+        """Return the optimum of a level, or the backend's word for why there is none."""
+        factor = factorise(qp.objective, qp.tolerance)
+        z = factor.solve(qp.target)
+        if _contains(qp.hard, qp.hard_lower, qp.hard_upper, z) and _contains(
+            qp.soft, qp.soft_lower, qp.soft_upper, z
+        ):
+            return Point(z, factor.null, np.zeros(qp.soft_lower.size, dtype=np.int8))
+        answer = self._backend.solve(qp, guess)
+        return answer.reason or refine(qp, answer)
+
+
+def _reduce(
+    level: LevelRows,
+    chi: Vector,
+    basis: Matrix,
+    lower: Vector,
+    upper: Vector,
+    kept: list[tuple[Matrix, Vector, Vector]],
+) -> tuple[LevelQp, NDArray[np.intp]]:
+    """Return a level in z with chi + N z, and the joints that its first hard rows belong to."""
+    bounded = np.isfinite(lower) | np.isfinite(upper)
+    bounded &= np.einsum("ij,ij->i", basis, basis) > _NEGLIGIBLE * _NEGLIGIBLE
+    joints = np.flatnonzero(bounded)
+    hard = [basis[joints]]
+    below, above = [(lower - chi)[joints]], [(upper - chi)[joints]]
+    for rows, rows_lower, rows_upper in kept:
+        value = rows.dot(chi)
+        hard.append(rows.dot(basis))
+        below.append(rows_lower - value)
+        above.append(rows_upper - value)
+    reduced = level.matrix.dot(basis)
+    value = level.matrix.dot(chi)
+    equal, other = level.equal, ~level.equal
+    qp = LevelQp(
+        objective=reduced[equal],
+        target=(level.lower - value)[equal],
+        hard=np.concatenate(hard),
+        hard_lower=np.minimum(np.concatenate(below), 0.0),
+        hard_upper=np.maximum(np.concatenate(above), 0.0),
+        soft=reduced[other],
+        soft_lower=(level.lower - value)[other],
+        soft_upper=(level.upper - value)[other],
+        tolerance=level.tolerance,
+    )
+    return qp, joints
+
+
+def _satisfied(level: LevelRows, broken: Signs) -> tuple[Matrix, Vector, Vector]:
+    """Return a level's satisfied inequality rows as constraints of the levels below.
+
+    The broken ones are equations for them, and part of the null space already.
+    """
+    rows = np.flatnonzero(~level.equal)[broken == 0]
+    matrix = level.matrix[rows]
+    return matrix, level.lower[rows], level.upper[rows]
+
+
+def _contains(rows: Matrix, lower: Vector, upper: Vector, z: Vector) -> bool:
+    """Whether ``lower <= rows z <= upper`` up to rounding."""
+    value = rows.dot(z)
+    excess = np.maximum(value - upper, lower - value)
+    return bool(excess.max(initial=0.0) <= FEASIBILITY)
+
+
+def _smallest(n: int) -> LevelRows:
+    """Return the level below all others: the smallest ``||chi||`` of what is still free."""
+    return LevelRows((LinearTask.equality("smallest", np.eye(n), np.zeros(n)),), n)
+
+
+def _unusable(levels: list[LevelRows], lower: Vector, upper: Vector, rest: Vector) -> str:
+    """Return why a problem cannot be solved at all: empty or not finite; else an empty string."""
+    if not (lower <= upper).all() or not math.isfinite(rest.dot(rest)):
+        joint = int(np.argmin((lower <= upper) & np.isfinite(rest)))
+        return f"bounds: joint {joint}: [{lower[joint]}, {upper[joint]}] is empty"
+    for k, level in enumerate(levels):
+        if not math.isfinite(level.slack(rest)):
+            return f"level {k}: a task holds a number that is not finite"
+        if not level.exact and not (level.lower <= level.upper).all():
+            return f"level {k}: a task has a row with lower above upper"
+    return ""
+
+
+def _inside(lower: Vector, upper: Vector) -> Vector:
+    """Return the point of the bounds next to zero, and zero where the bounds are unusable."""
+    with np.errstate(invalid="ignore"):
+        chi = np.minimum(np.maximum(lower, 0.0), upper)
+    return np.where((lower <= upper) & np.isfinite(chi), chi, 0.0)
+
+
+def _failed(levels: list[LevelRows], chi: Vector, reason: str, start: float) -> Solution:
+    """Return a failure before any level was solved."""
+    return _solution(levels, chi, chi, chi, reason, start)
+
+
+def _solution(
+    levels: list[LevelRows], lower: Vector, upper: Vector, chi: Vector, reason: str, start: float
+) -> Solution:
+    """Return chi with its residuals and the bounds that it touches."""
+    active = (chi >= upper).astype(np.int8)
+    active[(chi <= lower) & (active == 0)] = -1
+    slacks = np.array([level.slack(chi) for level in levels])
+    for array in (chi, active, slacks):
+        array.setflags(write=False)
+    status = Status.FAILED if reason else Status.SOLVED
+    return Solution(chi, slacks, status, reason, active, time.perf_counter() - start)

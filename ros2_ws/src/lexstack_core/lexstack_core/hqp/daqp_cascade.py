@@ -1,0 +1,47 @@
+"""The default backend: DAQP, a dual active-set method, called directly."""
+
+from __future__ import annotations
+
+import daqp
+import numpy as np
+
+from lexstack_core.hqp.cascade import NullSpaceCascade
+from lexstack_core.hqp.qp import LevelQp, QpAnswer
+from lexstack_core.hqp.rows import Signs
+
+# DAQP factors H, so a level that does not use all freedom needs a proximal term, relative to the
+# largest diagonal entry. It picks one optimum out of many; `refine` removes what it costs.
+_PROXIMAL = 1e-9
+_SETTINGS = {"primal_tol": 1e-9, "dual_tol": 1e-12, "iter_limit": 300, "eps_prox": 0.0}
+_ACTIVE, _LOWER = 1, 2
+_WORDS = {
+    -1: "infeasible",
+    -2: "cycling",
+    -3: "unbounded",
+    -4: "iteration limit",
+    -5: "not convex",
+    -6: "overdetermined working set",
+}
+
+
+class DaqpBackend:
+    """DAQP's one-shot call: it keeps nothing between solves, so equal input gives equal bits."""
+
+    name = "daqp"
+
+    def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:
+        """Solve with DAQP; ``guess`` becomes its first working set."""
+        hessian, gradient, rows, lower, upper = qp.assemble()
+        diagonal = hessian.reshape(-1)[:: gradient.size + 1]
+        diagonal += _PROXIMAL * diagonal.max()
+        sense = np.zeros(lower.size, dtype=np.intc)
+        sense[: guess.size][guess > 0] = _ACTIVE
+        sense[: guess.size][guess < 0] = _ACTIVE | _LOWER
+        x, _, flag, info = daqp.solve(hessian, gradient, rows, upper, lower, sense, **_SETTINGS)
+        reason = "" if flag > 0 else _WORDS.get(flag, f"exit flag {flag}")
+        return QpAnswer(x[: qp.objective.shape[1]], info["lam"][: guess.size], reason)
+
+
+def daqp_cascade() -> NullSpaceCascade:
+    """Return the strict solver with DAQP."""
+    return NullSpaceCascade(DaqpBackend())

@@ -1,0 +1,147 @@
+"""Rank-revealing factors of small dense matrices: least squares, its dual, and the null space.
+
+LAPACK is called directly because it is what a solve of 20 variables spends its time on: a
+pivoted QR takes 6 us here, numpy's SVD 38 us and numpy has no pivoted QR at all.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from scipy.linalg.lapack import dgeqp3, dorgqr, dtrtrs
+
+from lexstack_core.linear import Matrix, Vector
+
+_WORK = 4096  # doubles of LAPACK workspace: enough for its blocked code at 60 columns
+
+
+class Factor(Protocol):
+    """A factored matrix M of shape (m, r) and numerical rank p.
+
+    Attributes:
+        rank: p, the number of directions with a pivot above the tolerance.
+        null: orthonormal basis of the null space of M, shape (r, r - p).
+    """
+
+    rank: int
+    null: Matrix
+
+    def solve(self, target: Vector) -> Vector:
+        """Return the shortest z, shape (r,), that minimises ``||M z - target||``."""
+        ...
+
+    def solve_transposed(self, gradient: Vector) -> Vector:
+        """Return mu, shape (m,), with ``M.T mu = gradient`` for a gradient in M's row space."""
+        ...
+
+
+def factorise(matrix: Matrix, tolerance: float) -> Factor:
+    """Factor ``matrix``, shape (m, r); pivots of at most ``tolerance`` count as zero.
+
+    The tolerance is absolute because a matrix that was reduced to a null space may hold rounding
+    errors only: the caller knows the scale of the task before the reduction.
+    """
+    rows, columns = matrix.shape
+    if rows == 0 or columns == 0:
+        return _Zero(rows, columns)
+    if rows > columns:
+        tall = _Tall(matrix)
+        if abs(tall.triangle[-1, -1]) > tolerance:
+            return tall
+    return _wide(matrix, tolerance)
+
+
+def _wide(matrix: Matrix, tolerance: float) -> Factor:
+    """Factor by QR of the transpose; complete it to an orthogonal one where rank is missing."""
+    rows, columns = matrix.shape
+    packed, pivots, tau, _, _ = dgeqp3(matrix.T, lwork=_WORK)
+    size = min(rows, columns)
+    rank = int(np.count_nonzero(np.abs(packed.diagonal()) > tolerance))
+    full = np.zeros((columns, columns), order="F")
+    full[:, :size] = packed[:, :size]
+    basis: Matrix = dorgqr(full, tau, lwork=_WORK, overwrite_a=1)[0]
+    order = pivots - 1
+    if rank == rows:
+        return _Wide(packed[:rows], order, basis)
+    if rank == 0:
+        return _Zero(rows, columns)
+    return _Deficient(np.triu(packed[:rank]).T, order, basis)
+
+
+class _Zero:
+    """A matrix without rows, without columns, or of rank zero."""
+
+    rank = 0
+
+    def __init__(self, rows: int, columns: int) -> None:
+        self._rows = rows
+        self._columns = columns
+        self.null: Matrix = np.eye(columns)
+
+    def solve(self, target: Vector) -> Vector:  # noqa: ARG002
+        return np.zeros(self._columns)
+
+    def solve_transposed(self, gradient: Vector) -> Vector:  # noqa: ARG002
+        return np.zeros(self._rows)
+
+
+class _Wide:
+    """Full row rank: ``M.T P = Q [R; 0]``."""
+
+    def __init__(self, triangle: Matrix, order: Vector, basis: Matrix) -> None:
+        self.rank = order.size
+        self.null: Matrix = basis[:, self.rank :]
+        self._triangle = triangle
+        self._order = order
+        self._range = basis[:, : self.rank]
+
+    def solve(self, target: Vector) -> Vector:
+        z: Vector = self._range.dot(dtrtrs(self._triangle, target[self._order], trans=1)[0])
+        return z
+
+    def solve_transposed(self, gradient: Vector) -> Vector:
+        mu = np.empty(self.rank)
+        mu[self._order] = dtrtrs(self._triangle, gradient.dot(self._range))[0]
+        return mu
+
+
+class _Tall:
+    """Full column rank, more rows than columns: ``M P = Q R`` (the caller checks the pivots)."""
+
+    def __init__(self, matrix: Matrix) -> None:
+        self.rank = matrix.shape[1]
+        packed, pivots, tau, _, _ = dgeqp3(matrix, lwork=_WORK)
+        self.null: Matrix = np.empty((self.rank, 0))
+        self.triangle: Matrix = packed[: self.rank]
+        self._order = pivots - 1
+        self._range: Matrix = dorgqr(packed, tau, lwork=_WORK)[0]
+
+    def solve(self, target: Vector) -> Vector:
+        z = np.empty(self.rank)
+        z[self._order] = dtrtrs(self.triangle, target.dot(self._range))[0]
+        return z
+
+    def solve_transposed(self, gradient: Vector) -> Vector:
+        mu: Vector = self._range.dot(dtrtrs(self.triangle, gradient[self._order], trans=1)[0])
+        return mu
+
+
+class _Deficient:
+    """Rank p below both dimensions: ``M = P L Q1.T`` with L, shape (m, p), of full column rank."""
+
+    def __init__(self, lower: Matrix, order: Vector, basis: Matrix) -> None:
+        self.rank = lower.shape[1]
+        self.null: Matrix = basis[:, self.rank :]
+        self._inner = _Tall(lower)
+        self._order = order
+        self._range = basis[:, : self.rank]
+
+    def solve(self, target: Vector) -> Vector:
+        z: Vector = self._range.dot(self._inner.solve(target[self._order]))
+        return z
+
+    def solve_transposed(self, gradient: Vector) -> Vector:
+        mu = np.empty(self._order.size)
+        mu[self._order] = self._inner.solve_transposed(gradient.dot(self._range))
+        return mu

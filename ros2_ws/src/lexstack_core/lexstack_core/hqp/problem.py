@@ -1,0 +1,74 @@
+"""The hierarchical problem and its solution, as values (T(8) to T(15))."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack_core.bounds import Bounds
+from lexstack_core.linear import LinearTask, Vector
+
+
+@dataclass(frozen=True, slots=True)
+class HqpProblem:
+    """Strictly ordered levels of linear tasks, and the box that chi never leaves.
+
+    Attributes:
+        levels: index 0 is the highest priority; the tasks of one level are minimised together.
+        bounds: box on chi, never relaxed, never empty.
+    """
+
+    levels: tuple[tuple[LinearTask, ...], ...]
+    bounds: Bounds
+
+
+class Status(Enum):
+    """How a solve ended."""
+
+    SOLVED = "solved"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """What a solver returns; a failure is a value with a reason, never an exception.
+
+    Attributes:
+        chi: optimum, shape (n,); on failure the last level that was solved, or the bounds'
+            nearest point to zero: always inside the bounds.
+        slacks: norm of each level's residual at chi, shape (levels,).
+        status: whether every level was solved.
+        reason: empty when solved; else one line that names the level and the backend's word.
+        active: -1, 0 or +1 per variable of chi: which bound holds, shape (n,).
+        solve_time: wall time of the solve [s].
+    """
+
+    chi: Vector
+    slacks: Vector
+    status: Status
+    reason: str
+    active: NDArray[np.int8]
+    solve_time: float
+
+    @property
+    def solved(self) -> bool:
+        """Whether every level was solved."""
+        return self.status is Status.SOLVED
+
+
+class HqpSolver(Protocol):
+    """A strict hierarchical solver; one file per backend."""
+
+    name: str
+
+    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
+        """Solve all levels in order; ``warm`` is the solution of the tick before, if any."""
+        ...
+
+
+SolverFactory = Callable[[], HqpSolver]

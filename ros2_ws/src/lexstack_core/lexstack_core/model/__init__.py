@@ -1,0 +1,7 @@
+"""Robot models: one pinocchio model per robot is the single source of kinematics and inertia."""
+
+from lexstack_core.model.kinematics import Kinematics, Pose
+from lexstack_core.model.robot import RobotModel
+from lexstack_core.model.team import Team
+
+__all__ = ["Kinematics", "Pose", "RobotModel", "Team"]

@@ -1,0 +1,37 @@
+"""Poses and Jacobians of all robots at one state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lexstack_core.linear import Matrix, Vector
+from lexstack_core.state import RobotState
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A pose in the world frame.
+
+    Attributes:
+        position: shape (3,), m.
+        rotation: shape (3, 3), its columns the axes of the moved frame in the world.
+    """
+
+    position: Vector
+    rotation: Matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Kinematics:
+    """Proof that forward kinematics ran for ``state``: only a Team makes it.
+
+    Attributes:
+        state: the state that it holds for; poses and Jacobians are at the measured q.
+        tools: pose of each robot's tool frame.
+        jacobians: each robot's tool Jacobian, shape (6, n_robot): linear then angular velocity,
+            at the tool's origin, axes parallel to the world (LOCAL_WORLD_ALIGNED).
+    """
+
+    state: RobotState
+    tools: tuple[Pose, ...]
+    jacobians: tuple[Matrix, ...]

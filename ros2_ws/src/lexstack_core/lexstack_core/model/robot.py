@@ -1,0 +1,69 @@
+"""One robot: its pinocchio model, its limits, and where its parts lie in its own vector."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from lexstack_core.bounds import JointLimits
+from lexstack_core.config.robot import RobotConfig
+from lexstack_core.linear import Matrix, Vector
+from lexstack_core.model.description import BASE_JOINTS, build_robot
+from lexstack_core.model.kinematics import Pose
+
+BASE = slice(0, 3)
+ARM = slice(3, None)
+
+
+class RobotModel:
+    """Kinematics and limits of one mobile manipulator.
+
+    Attributes:
+        name: the robot's name, unique in its team.
+        config: what it was built from.
+        pinocchio: the model, base x, y, yaw in the world frame and then the arm.
+        joints: names of its joints in the order of its part of chi.
+        limits: shape (n,) each; bases have no position limits.
+    """
+
+    def __init__(self, name: str, config: RobotConfig) -> None:
+        """Build the model; raises ModelError where configuration and description disagree."""
+        self.name = name
+        self.config = config
+        self.pinocchio: pin.Model = build_robot(config)
+        self.joints: tuple[str, ...] = (*BASE_JOINTS, *config.arm.joints)
+        self.limits = _limits(config)
+        self._data: pin.Data = self.pinocchio.createData()
+        self._tool: int = self.pinocchio.getFrameId("tool")
+
+    @property
+    def n(self) -> int:
+        """Number of joints, base included."""
+        return len(self.joints)
+
+    def home(self, base: tuple[float, float, float]) -> Vector:
+        """Return the home configuration with the base at x [m], y [m], yaw [rad], shape (n,)."""
+        return np.array([*base, *self.config.arm.home])
+
+    def tool(self, q: Vector) -> tuple[Pose, Matrix]:
+        """Return the tool's pose and its Jacobian (6, n), LOCAL_WORLD_ALIGNED, at q (n,)."""
+        jacobian = pin.computeFrameJacobian(
+            self.pinocchio, self._data, q, self._tool, pin.LOCAL_WORLD_ALIGNED
+        )
+        # computeFrameJacobian places the joints but not the frame.
+        frame = self.pinocchio.frames[self._tool]
+        pose = self._data.oMi[frame.parentJoint] * frame.placement
+        return Pose(pose.translation.copy(), pose.rotation.copy()), jacobian
+
+
+def _limits(config: RobotConfig) -> JointLimits:
+    """Return the limits of base and arm as one set of vectors."""
+    base, arm = config.base, config.arm
+    unlimited = np.full(3, np.inf)
+    return JointLimits(
+        position_lower=np.concatenate([-unlimited, arm.position_lower]),
+        position_upper=np.concatenate([unlimited, arm.position_upper]),
+        velocity=np.concatenate([base.velocity, arm.velocity]),
+        acceleration=np.concatenate([base.acceleration, arm.acceleration]),
+        jerk=np.concatenate([base.jerk, arm.jerk]),
+    )

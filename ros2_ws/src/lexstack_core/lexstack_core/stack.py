@@ -1,0 +1,84 @@
+"""A stack of tasks: strictly ordered levels, built from a file for one team."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lexstack_core.config.stack import StackConfig, TaskConfig
+from lexstack_core.errors import ConfigurationError
+from lexstack_core.linear import LinearTask
+from lexstack_core.model import Kinematics, Team
+from lexstack_core.references import References
+from lexstack_core.tasks import TASKS, Task
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """Tasks of equal priority, each with the root of its weight."""
+
+    tasks: tuple[Task, ...]
+    scales: tuple[float, ...]
+
+    def linearise(self, kinematics: Kinematics, references: References) -> tuple[LinearTask, ...]:
+        """Return each task's rows, scaled by the root of its weight."""
+        return tuple(
+            _scaled(task.linearise(kinematics, references), scale)
+            for task, scale in zip(self.tasks, self.scales, strict=True)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Stack:
+    """Ordered levels, index 0 the highest priority (SoT in T)."""
+
+    name: str
+    levels: tuple[Level, ...]
+
+    def linearise(
+        self, kinematics: Kinematics, references: References
+    ) -> tuple[tuple[LinearTask, ...], ...]:
+        """Return all levels made linear at the present state, T(12)."""
+        return tuple(level.linearise(kinematics, references) for level in self.levels)
+
+
+def build_stack(config: StackConfig, team: Team) -> Stack:
+    """Return a configured stack for a team; raises ConfigurationError naming stack and level."""
+    levels = []
+    for i, level in enumerate(config.levels):
+        tasks: list[Task] = []
+        scales: list[float] = []
+        for j, task in enumerate(level.tasks):
+            where = f"stack {config.name}: levels[{i}].tasks[{j}]"
+            built = _build_tasks(task, team, where)
+            tasks += built
+            scales += [float(np.sqrt(task.weight))] * len(built)
+        levels.append(Level(tuple(tasks), tuple(scales)))
+    _check_names(config.name, levels)
+    return Stack(config.name, tuple(levels))
+
+
+def _build_tasks(config: TaskConfig, team: Team, where: str) -> list[Task]:
+    """Return one task, or one per robot where the file names none."""
+    if config.type not in TASKS:
+        known = ", ".join(sorted(TASKS))
+        raise ConfigurationError(f"{where}: type: unknown task {config.type!r}; known: {known}")
+    robots = [team.index(config.robot)] if config.robot else range(len(team.robots))
+    make = TASKS[config.type]
+    return [make(team, robot, config.parameters, f"{where}: parameters") for robot in robots]
+
+
+def _check_names(stack: str, levels: list[Level]) -> None:
+    """Raise ConfigurationError where a task stands twice in a stack."""
+    names = [task.name for level in levels for task in level.tasks]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise ConfigurationError(f"stack {stack}: task {twice!r} stands in it twice")
+
+
+def _scaled(task: LinearTask, scale: float) -> LinearTask:
+    """Return the task with its rows multiplied by ``scale``."""
+    if scale == 1.0:
+        return task
+    return LinearTask(task.name, scale * task.matrix, scale * task.lower, scale * task.upper)

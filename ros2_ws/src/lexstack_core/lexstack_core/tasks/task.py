@@ -1,0 +1,27 @@
+"""What every task is: a name, and a linearisation at the present state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from lexstack_core.linear import LinearTask
+from lexstack_core.model import Kinematics, Team
+from lexstack_core.references import References
+
+
+class Task(Protocol):
+    """One objective on chi, for one robot of a team."""
+
+    @property
+    def name(self) -> str:
+        """Name, unique within a stack, e.g. ``robot_a/ee_pose``."""
+        ...
+
+    def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
+        """Return the rows of this task at the present state, A of shape (m, n)."""
+        ...
+
+
+# (team, robot's place in it, parameters of the stack file, where they stand) -> task
+TaskFactory = Callable[[Team, int, dict[str, Any], str], Task]

@@ -1,0 +1,121 @@
+"""Requests to switch the stack: checked, numbered, and kept until their tick comes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from lexstack_core.config.scenario import TransitionConfig
+
+METHODS = ("bridge",)
+MAX_DURATION = 60.0  # s
+MAX_SCHEDULED = 64
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchRequest:
+    """A request that was accepted.
+
+    Attributes:
+        id: transition id, counted from 1.
+        stack: the stack to go to.
+        duration: of the blend [s].
+        method: of the transition.
+        at_tick: the tick at which the blend starts, if the source's solution is there.
+        reason: why, where it is not a user's wish: empty, or one line.
+    """
+
+    id: int
+    stack: str
+    duration: float
+    method: str
+    at_tick: int
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The answer to a request: accepted with an id, or refused with the reason."""
+
+    accepted: bool
+    message: str
+    request: SwitchRequest | None = None
+
+
+class RequestBook:
+    """Accepted requests in the order of their ticks; a later one for the same tick replaces."""
+
+    def __init__(self, stacks: Collection[str], defaults: TransitionConfig) -> None:
+        """Know the stacks that may be asked for, and what an empty field stands for."""
+        self._stacks = stacks
+        self._defaults = defaults
+        self._scheduled: list[SwitchRequest] = []
+        self._count = 0
+
+    def ask(
+        self, stack: str, duration: float, method: str, at_tick: int, now: int, reason: str = ""
+    ) -> Answer:
+        """Return the answer to a request made while ``now`` is the last tick that was served.
+
+        Args:
+            stack: name of the stack to go to.
+            duration: of the blend [s]; 0: as configured.
+            method: empty: as configured.
+            at_tick: 0: the next tick.
+            now: the last tick.
+            reason: why, if not a user's wish.
+        """
+        refusal = self._refusal(stack, duration, method, at_tick, now)
+        if refusal:
+            return Answer(False, refusal)
+        self._count += 1
+        request = SwitchRequest(
+            self._count,
+            stack,
+            duration or self._defaults.duration,
+            method or self._defaults.method,
+            at_tick or now + 1,
+            reason,
+        )
+        self._scheduled = [r for r in self._scheduled if r.at_tick != request.at_tick]
+        self._scheduled.append(request)
+        self._scheduled.sort(key=lambda entry: entry.at_tick)
+        text = f"transition {request.id} to {stack!r} starts at tick {request.at_tick}"
+        return Answer(True, text, request)
+
+    def peek(self, tick: int) -> SwitchRequest | None:
+        """Return the newest request whose tick has come, or None."""
+        due = [request for request in self._scheduled if request.at_tick <= tick]
+        return due[-1] if due else None
+
+    def due(self, tick: int) -> SwitchRequest | None:
+        """Return the newest request whose tick has come, and forget it and those before it."""
+        newest = self.peek(tick)
+        self._scheduled = [request for request in self._scheduled if request.at_tick > tick]
+        return newest
+
+    @property
+    def scheduled(self) -> tuple[SwitchRequest, ...]:
+        """Requests whose tick has not come yet."""
+        return tuple(self._scheduled)
+
+    def clear(self) -> None:
+        """Forget all that was scheduled."""
+        self._scheduled = []
+
+    def _refusal(self, stack: str, duration: float, method: str, at_tick: int, now: int) -> str:
+        """Return why a request cannot be accepted, or an empty text."""
+        if stack not in self._stacks:
+            return f"unknown stack {stack!r}; known: {', '.join(sorted(self._stacks))}"
+        if not math.isfinite(duration) or not 0.0 <= duration <= MAX_DURATION:
+            return f"duration: must be in [0, {MAX_DURATION:g}] s (0: as configured), got {duration}"
+        if method and method not in METHODS:
+            return f"unknown method {method!r}; known: {', '.join(METHODS)}"
+        if at_tick and at_tick <= now:
+            return f"at_tick: {at_tick} is over; the present tick is {now}"
+        if len(self._scheduled) >= MAX_SCHEDULED and not any(
+            request.at_tick == (at_tick or now + 1) for request in self._scheduled
+        ):
+            return f"{MAX_SCHEDULED} requests are scheduled already; wait for one to be served"
+        return ""

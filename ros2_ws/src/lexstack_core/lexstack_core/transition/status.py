@@ -1,0 +1,109 @@
+"""Where a transition stands, and what a source must know of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from lexstack_core.linear import Vector
+
+
+class Phase(Enum):
+    """The phases of a transition, in their order; ABORTED may follow any of them."""
+
+    IDLE = 0
+    REQUESTED = 1
+    PREPARING = 2
+    BLENDING = 3
+    ADOPTING = 4
+    ABORTED = 5
+
+
+class Source(Enum):
+    """Whose chi robot A follows; the values stand in messages."""
+
+    NONE = ""
+    ROBOT_B = "robot_b"
+    LOCAL = "local"  # A solves the new stack itself
+    MINIMUM_VELOCITY = "minimum_velocity"
+
+
+@dataclass(frozen=True, slots=True)
+class TransitionState:
+    """What A tells about its transition at one tick.
+
+    Attributes:
+        id: of the transition, 0 before the first.
+        from_stack: the stack that A came from.
+        to_stack: the stack that A goes to; when idle: the stack in effect.
+        source: whose chi A follows.
+        method: of the transition, empty when idle.
+        phase: where it stands.
+        alpha: 0 at the trigger, 1 at the end.
+        duration: of the blend [s].
+        gap: largest |chi - chi_source| over the joints, m/s or rad/s.
+        reason: why it is so, where it is not as asked; stays until the next transition.
+    """
+
+    id: int
+    from_stack: str
+    to_stack: str
+    source: Source
+    method: str
+    phase: Phase
+    alpha: float
+    duration: float
+    gap: float
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class SourceSample:
+    """A source's optimum for one tick.
+
+    Attributes:
+        transition_id: the request that it answers.
+        tick: the tick whose state it was solved for.
+        chi: shape (n,), finite.
+        solved: whether every level was solved.
+    """
+
+    transition_id: int
+    tick: int
+    chi: Vector
+    solved: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Announcement:
+    """What A tells its source: solve this stack from this tick on, or no longer."""
+
+    id: int
+    stack: str
+    start_tick: int
+    active: bool
+
+
+class SourceSchedule:
+    """The source's side: which announced stack it solves at a tick."""
+
+    def __init__(self) -> None:
+        """Start with nothing to solve."""
+        self._active: dict[int, Announcement] = {}
+
+    def hear(self, announcement: Announcement) -> None:
+        """Take an announcement; a later one with the same id replaces it."""
+        self._active.pop(announcement.id, None)
+        if announcement.active:
+            self._active[announcement.id] = announcement
+
+    def current(self, tick: int) -> Announcement | None:
+        """Return the newest stack whose start has come, and forget those that it replaced."""
+        started = [entry for entry in self._active.values() if entry.start_tick <= tick]
+        if not started:
+            return None
+        newest = max(started, key=lambda entry: (entry.start_tick, entry.id))
+        for entry in started:
+            if entry.id != newest.id:
+                del self._active[entry.id]
+        return newest

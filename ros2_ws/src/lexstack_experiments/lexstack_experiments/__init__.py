@@ -1,0 +1,1 @@
+"""Experiments with core and plant in one process; without rclpy."""

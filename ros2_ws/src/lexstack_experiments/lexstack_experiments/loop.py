@@ -1,0 +1,97 @@
+"""Core and plant in one process: the closed loop without ROS, tick by tick."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from lexstack_core.build import Parts, build_controller, build_references, build_stack_solver
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.config.scenario import EventConfig
+from lexstack_core.controller import Command
+from lexstack_core.model import Team
+from lexstack_core.references import ReferenceSchedule, Target, pose_from_config
+from lexstack_core.state import RobotState
+from lexstack_core.transition.status import SourceSchedule, SourceSample
+from lexstack_sim.plant import Plant
+
+
+@dataclass
+class Record:
+    """What a run leaves: one entry per tick."""
+
+    states: list[RobotState] = field(default_factory=list)
+    commands: list[Command] = field(default_factory=list)
+    sources: dict[int, np.ndarray] = field(default_factory=dict)  # robot B's chi by tick
+
+
+class Loop:
+    """Robot A, robot B and the plant, as the processes run them, in lockstep."""
+
+    def __init__(self, resolved: ResolvedScenario) -> None:
+        """Build all parts and schedule the scenario's events."""
+        self.resolved = resolved
+        self.parts = Parts.of(resolved)
+        self.plant = Plant(resolved, self.parts.team, resolved.scenario.seed)
+        self.controller = build_controller(resolved, self.parts)
+        self.references_b = build_references(resolved, self.parts.team)
+        self.solver_b = build_stack_solver(resolved, self.parts)
+        self.schedule = SourceSchedule()
+        self.record = Record()
+        # Whether robot B answers at a tick; experiments replace it.
+        self.b_answers: Callable[[int], bool] = lambda _tick: True
+        for event in resolved.scenario.events:
+            self._schedule_event(event)
+
+    def run(self, ticks: int | None = None) -> Record:
+        """Run for a number of ticks, by default the whole scenario, and return the record."""
+        scenario = self.resolved.scenario
+        for _ in range(ticks or round(scenario.duration * scenario.rate)):
+            self.step()
+        return self.record
+
+    def step(self) -> Command:
+        """Serve one tick: B's chi if it is asked for, A's command, the plant's step."""
+        state = self.plant.state()
+        for announcement in self.controller.transition.take_announcements():
+            self.schedule.hear(announcement)
+        wanted = self.schedule.current(state.tick)
+        references = self.references_b.at(state.stamp)
+        if wanted is not None and self.b_answers(state.tick):
+            kinematics = self.parts.team.kinematics(state)
+            solution = self.solver_b.solve(wanted.stack, kinematics, references)
+            self.record.sources[state.tick] = solution.chi
+            self.controller.transition.hear(
+                SourceSample(wanted.id, state.tick, solution.chi, solution.solved)
+            )
+        command = self.controller.tick(state)
+        self.record.states.append(state)
+        self.record.commands.append(command)
+        self.plant.step(command.chi)
+        return command
+
+    def _schedule_event(self, event: EventConfig) -> None:
+        """Hand an event of the scenario to those whom it concerns."""
+        for schedule in (self.controller.references, self.references_b):
+            for target in targets_of(event, self.parts.team):
+                schedule.add(target)
+        if event.switch:
+            tick = round(event.at * self.resolved.scenario.rate)
+            self.controller.transition.ask(event.switch, event.duration, "", tick)
+
+
+def targets_of(event: EventConfig, team: Team) -> list[Target]:
+    """Return an event's new references."""
+    poses = [
+        Target(event.at, team.index(name), ee=pose_from_config(pose))
+        for name, pose in event.ee_target.items()
+    ]
+    bases = [
+        Target(event.at, team.index(name), base=np.array(base))
+        for name, base in event.base_target.items()
+    ]
+    return poses + bases
+
+
+__all__ = ["Loop", "Record", "ReferenceSchedule", "targets_of"]

@@ -1,0 +1,205 @@
+"""The only seam between messages and the core: every field is checked on its way in.
+
+A message that does not fit raises InputError, whose text names the topic's field and what is
+wrong with it; nothing of it reaches the core.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from typing import Any
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped
+from lexstack_core.controller import Command
+from lexstack_core.errors import InputError
+from lexstack_core.linear import Vector
+from lexstack_core.model import Pose, Team
+from lexstack_core.references import Target
+from lexstack_core.rotation import from_quaternion
+from lexstack_core.state import RobotState
+from lexstack_core.transition.status import Announcement, SourceSample, TransitionState
+from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
+
+WORLD = "world"
+_FARTHEST = 1000.0  # m, a target farther away is a mistake
+_UNIT = 1e-2  # how far a quaternion's norm may be from 1
+_UPRIGHT = 1e-3  # rad, how far a base target may be tilted
+
+
+# ---- time
+
+
+def to_time(seconds: float) -> Time:
+    """Return simulated time [s] as a message."""
+    nanoseconds = round(seconds * 1e9)
+    return Time(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
+
+
+def to_seconds(stamp: Time) -> float:
+    """Return a stamp in seconds."""
+    return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
+
+
+# ---- vectors
+
+
+def to_array(vector: Vector) -> array[float]:
+    """Return a vector as the type that float64[] fields take without a copy per element."""
+    return array("d", vector.tobytes())
+
+
+def to_vector(values: Any, n: int, field: str) -> Vector:
+    """Return a float64[] field as a new vector of shape (n,), finite; raises InputError."""
+    vector = np.array(values, dtype=np.float64)
+    if vector.shape != (n,):
+        raise InputError(f"{field}: expected {n} values, got {vector.size}")
+    if not np.isfinite(vector).all():
+        where = int(np.flatnonzero(~np.isfinite(vector))[0])
+        raise InputError(f"{field}[{where}]: must be finite, got {vector[where]}")
+    return vector
+
+
+def check_robots(robots: list[str], team: Team, where: str) -> None:
+    """Raise InputError unless a message is about this team, in its order."""
+    if tuple(robots) != team.names:
+        raise InputError(
+            f"{where}: robots: expected {', '.join(team.names)}, got {', '.join(robots) or 'none'}"
+        )
+
+
+# ---- state, chi, transition
+
+
+def to_state(message: PlantState, team: Team) -> RobotState:
+    """Return the plant's state; raises InputError."""
+    where = "/plant/state"
+    check_robots(message.robots, team, where)
+    return RobotState(
+        message.tick,
+        to_seconds(message.header.stamp),
+        to_vector(message.q, team.n, f"{where}: q"),
+        to_vector(message.v, team.n, f"{where}: v"),
+        to_vector(message.q_star, team.n, f"{where}: q_star"),
+        to_vector(message.command, team.n, f"{where}: command"),
+    )
+
+
+def to_sample(message: Chi, team: Team, where: str) -> SourceSample:
+    """Return a source's chi; raises InputError. ``where`` is its topic."""
+    check_robots(message.robots, team, where)
+    return SourceSample(
+        message.transition_id,
+        message.tick,
+        to_vector(message.chi, team.n, f"{where}: chi"),
+        message.status == Chi.SOLVED,
+    )
+
+
+def chi_of_command(command: Command, message: Chi) -> Chi:
+    """Return A's command, written into ``message``, which is used again every tick."""
+    message.header.stamp = to_time(command.stamp)
+    message.tick = command.tick
+    message.stack = command.stack
+    message.transition_id = command.transition.id
+    message.chi = to_array(command.chi)
+    message.lower = to_array(command.bounds.lower)
+    message.upper = to_array(command.bounds.upper)
+    message.slacks = to_array(command.slacks)
+    message.status = Chi.FALLBACK if command.fallback else Chi.SOLVED
+    message.empty_bounds = command.bounds.empty
+    message.solve_time = command.solve_time
+    message.reason = command.fallback
+    return message
+
+
+def transition_status(command: Command, message: TransitionStatus) -> TransitionStatus:
+    """Return where A's transition stands, written into ``message``."""
+    state: TransitionState = command.transition
+    message.header.stamp = to_time(command.stamp)
+    message.tick = command.tick
+    message.id = state.id
+    message.from_stack = state.from_stack
+    message.to_stack = state.to_stack
+    message.source = state.source.value
+    message.method = state.method
+    message.phase = state.phase.value
+    message.alpha = state.alpha
+    message.duration = state.duration
+    message.gap = state.gap
+    message.reason = state.reason
+    return message
+
+
+# ---- requests to a source
+
+
+def stack_request(announcement: Announcement, stamp: float) -> StackRequest:
+    """Return an announcement as a message."""
+    message = StackRequest()
+    message.header.stamp = to_time(stamp)
+    message.header.frame_id = WORLD
+    message.id = announcement.id
+    message.stack = announcement.stack
+    message.start_tick = announcement.start_tick
+    message.active = announcement.active
+    return message
+
+
+def to_announcement(message: StackRequest, stacks: Any) -> Announcement:
+    """Return a request to a source; raises InputError for a stack that is not known."""
+    if message.stack not in stacks:
+        known = ", ".join(sorted(stacks))
+        raise InputError(
+            f"/robot_a/stack_request: unknown stack {message.stack!r}; known: {known}"
+        )
+    return Announcement(message.id, message.stack, message.start_tick, message.active)
+
+
+# ---- targets
+
+
+def to_ee_target(message: PoseStamped, robot: int, where: str) -> Target:
+    """Return an end-effector target of the robot at place ``robot``; raises InputError."""
+    pose = _to_pose(message, where)
+    return Target(to_seconds(message.header.stamp), robot, ee=pose)
+
+
+def to_base_target(message: PoseStamped, robot: int, where: str) -> Target:
+    """Return a base target (x, y, yaw); raises InputError where it is not upright."""
+    pose = _to_pose(message, where)
+    tilt = math.acos(min(max(float(pose.rotation[2, 2]), -1.0), 1.0))
+    if tilt > _UPRIGHT:
+        raise InputError(f"{where}: orientation: a base stands upright, got a tilt of {tilt:.3f} rad")
+    yaw = math.atan2(pose.rotation[1, 0], pose.rotation[0, 0])
+    base = np.array([pose.position[0], pose.position[1], yaw])
+    return Target(to_seconds(message.header.stamp), robot, base=base)
+
+
+def pose_message(pose: Pose, stamp: float, quaternion: Vector) -> PoseStamped:
+    """Return a pose in the world frame as a message."""
+    message = PoseStamped()
+    message.header.stamp = to_time(stamp)
+    message.header.frame_id = WORLD
+    place, turn = message.pose.position, message.pose.orientation
+    place.x, place.y, place.z = (float(value) for value in pose.position)
+    turn.x, turn.y, turn.z, turn.w = (float(value) for value in quaternion)
+    return message
+
+
+def _to_pose(message: PoseStamped, where: str) -> Pose:
+    """Return a checked pose in the world frame."""
+    if message.header.frame_id not in ("", WORLD):
+        raise InputError(f"{where}: frame_id: expected 'world', got {message.header.frame_id!r}")
+    place, turn = message.pose.position, message.pose.orientation
+    position = to_vector([place.x, place.y, place.z], 3, f"{where}: position")
+    quaternion = to_vector([turn.x, turn.y, turn.z, turn.w], 4, f"{where}: orientation")
+    farthest = float(np.max(np.abs(position)))
+    if farthest > _FARTHEST:
+        raise InputError(f"{where}: position: {farthest:g} m away, at most {_FARTHEST:g} m")
+    norm = float(np.linalg.norm(quaternion))
+    if abs(norm - 1.0) > _UNIT:
+        raise InputError(f"{where}: orientation: norm must be 1, got {norm:.4f}")
+    return Pose(position, from_quaternion(quaternion))

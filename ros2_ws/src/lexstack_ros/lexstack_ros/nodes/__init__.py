@@ -1,0 +1,1 @@
+"""The processes: one node each, without mathematics."""

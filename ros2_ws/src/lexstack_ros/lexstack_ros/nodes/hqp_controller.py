@@ -1,0 +1,188 @@
+"""Robot A: one command per plant state; switches its stack when asked to."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+from lexstack_core.build import Parts, build_controller
+from lexstack_core.errors import InputError
+from lexstack_core.state import RobotState
+from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
+from lexstack_interfaces.srv import SwitchStack
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from lexstack_ros.conversions import (
+    WORLD,
+    chi_of_command,
+    stack_request,
+    to_sample,
+    to_state,
+    transition_status,
+)
+from lexstack_ros.diagnostics import Diagnostics, Health
+from lexstack_ros.parameters import scenario_parameter
+from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.readiness import Readiness
+from lexstack_ros.references import TargetTopics
+from lexstack_ros.spin import run_node
+
+_LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
+
+
+class HqpControllerNode(Node):
+    """Topics and services around the core's Controller; no mathematics here."""
+
+    def __init__(self) -> None:
+        """Build the controller of the scenario; raises LexstackError for a wrong parameter."""
+        super().__init__("hqp_controller")
+        self._resolved = scenario_parameter(self)
+        self._parts = Parts.of(self._resolved)
+        self._controller = build_controller(self._resolved, self._parts)
+        self._patience = self._resolved.scenario.timeouts.source_wall
+        self._state: RobotState | None = None  # the one that still waits for its command
+        self._served = -1
+        self._deadline = 0.0
+        self._stamp = 0.0
+        self._refused = self._fallbacks = 0
+        self._solve_time = 0.0
+        self._chi = Chi(robots=list(self._parts.team.names))
+        self._chi.header.frame_id = WORLD
+        self._status = TransitionStatus()
+        self._status.header.frame_id = WORLD
+        self._chi_out = self.create_publisher(Chi, "/robot_a/chi", STREAM)
+        self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
+        self._request_out = self.create_publisher(StackRequest, "/robot_a/stack_request", LATCHED)
+        self._targets = TargetTopics(self, self._parts.team, self._controller.references)
+        self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
+        self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
+        self.create_subscription(String, "/robot_a/request_stack", self._on_request, STREAM)
+        self.create_service(SwitchStack, "/robot_a/switch_stack", self._on_switch)
+        self.create_service(Trigger, "/robot_a/cancel_transition", self._on_cancel)
+        wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(_LOOK, self._on_look, clock=wall)
+        Diagnostics(self, self._health)
+        self._readiness = Readiness(self, {"/robot_a/chi": "sim_bridge"})
+
+    # ---- the tick
+
+    def _on_state(self, message: PlantState) -> None:
+        """Serve a new state, or keep it until the source's chi is there."""
+        self._readiness.heard_plant = True
+        if message.status == PlantState.PAUSED:
+            return
+        try:
+            state = to_state(message, self._parts.team)
+        except InputError as error:
+            self._refuse(error)
+            return
+        if state.tick < self._served and state.tick == 0:
+            self._restart()
+        if state.tick <= self._served:
+            return
+        self._state = state
+        self._deadline = time.monotonic() + self._patience
+        self._serve(wait=True)
+
+    def _on_source(self, message: Chi) -> None:
+        """Take robot B's chi."""
+        try:
+            self._controller.transition.hear(to_sample(message, self._parts.team, "/robot_b/chi"))
+        except InputError as error:
+            self._refuse(error)
+            return
+        self._serve(wait=True)
+
+    def _on_look(self) -> None:
+        """Serve a state whose source did not answer in time: it counts as lost."""
+        if self._state is not None and time.monotonic() >= self._deadline:
+            self._serve(wait=False)
+
+    def _serve(self, *, wait: bool) -> None:
+        """Send the command for the state at hand, unless it must wait for the source."""
+        state = self._state
+        if state is None or (wait and self._controller.transition.awaits(state.tick)):
+            return
+        self._state = None
+        command = self._controller.tick(state)
+        self._chi_out.publish(chi_of_command(command, self._chi))
+        self._status_out.publish(transition_status(command, self._status))
+        self._served, self._stamp = state.tick, state.stamp
+        self._solve_time = command.solve_time
+        self._announce()
+        if command.fallback:
+            self._fallbacks += 1
+            self.get_logger().warning(command.fallback, throttle_duration_sec=1.0)
+
+    # ---- requests
+
+    def _on_switch(
+        self, request: SwitchStack.Request, response: SwitchStack.Response
+    ) -> SwitchStack.Response:
+        """Answer at once: accepted with an id, or refused with the reason."""
+        answer = self._controller.transition.ask(
+            request.stack, request.duration, request.method, request.at_tick
+        )
+        self._announce()
+        self.get_logger().info(answer.message)
+        response.accepted = answer.accepted
+        response.id = 0 if answer.request is None else answer.request.id
+        response.message = answer.message
+        return response
+
+    def _on_request(self, message: String) -> None:
+        """Do as the service, with the values of the configuration."""
+        answer = self._controller.transition.ask(message.data, 0.0, "", 0)
+        self._announce()
+        self.get_logger().info(answer.message)
+
+    def _on_cancel(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Give up the transition and go back."""
+        answer = self._controller.transition.cancel()
+        self._announce()
+        response.success, response.message = answer.accepted, answer.message
+        return response
+
+    def _announce(self) -> None:
+        """Tell the source what it shall solve."""
+        for announcement in self._controller.transition.take_announcements():
+            self._request_out.publish(stack_request(announcement, self._stamp))
+
+    # ---- the rest
+
+    def _restart(self) -> None:
+        """Begin anew after a reset of the plant."""
+        self.get_logger().info("the plant was reset: starting anew")
+        self._controller = build_controller(self._resolved, self._parts)
+        self._targets.schedule = self._controller.references
+        self._served = -1
+
+    def _refuse(self, error: InputError) -> None:
+        """Count and tell of a message that does not fit."""
+        self._refused += 1
+        self.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
+
+    def _health(self) -> Health:
+        """Return how the node is."""
+        refused = self._refused + self._targets.refused
+        return Health(
+            f"{self._fallbacks} ticks without a solution" if self._fallbacks else "",
+            {
+                "tick": str(self._served),
+                "solve time [us]": f"{1e6 * self._solve_time:.0f}",
+                "fallbacks": str(self._fallbacks),
+                "refused messages": str(refused),
+            },
+        )
+
+
+def main() -> int:
+    """Run robot A's controller; returns the exit code."""
+    return run_node(HqpControllerNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,145 @@
+"""Robot B: solves the stack that robot A asks for, for the same plant states."""
+
+from __future__ import annotations
+
+import sys
+from time import perf_counter
+
+import numpy as np
+from lexstack_core.build import Parts, build_references, build_stack_solver
+from lexstack_core.errors import InputError
+from lexstack_core.state import RobotState
+from lexstack_core.transition.status import Announcement, SourceSchedule
+from lexstack_interfaces.msg import Chi, PlantState, StackRequest
+from rclpy.node import Node
+
+from lexstack_ros.conversions import WORLD, to_announcement, to_array, to_state, to_time
+from lexstack_ros.diagnostics import Diagnostics, Health
+from lexstack_ros.parameters import scenario_parameter
+from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.readiness import Readiness
+from lexstack_ros.references import TargetTopics
+from lexstack_ros.spin import run_node
+
+
+class StackSolverNode(Node):
+    """Topics around the core's StackSolver; no mathematics here."""
+
+    def __init__(self) -> None:
+        """Build the solver of the scenario; raises LexstackError for a wrong parameter."""
+        super().__init__("stack_solver")
+        self._resolved = scenario_parameter(self)
+        self._parts = Parts.of(self._resolved)
+        self._solver = build_stack_solver(self._resolved, self._parts)
+        self._schedule = SourceSchedule()
+        self._state: RobotState | None = None
+        self._served = (-1, 0)  # tick and transition id of the last chi
+        self._failures = self._refused = 0
+        self._solve_time = 0.0
+        self._chi = Chi(robots=list(self._parts.team.names))
+        self._chi.header.frame_id = WORLD
+        self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
+        team = self._parts.team
+        self._targets = TargetTopics(self, team, build_references(self._resolved, team))
+        self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
+        self.create_subscription(
+            StackRequest, "/robot_a/stack_request", self._on_request, LATCHED
+        )
+        Diagnostics(self, self._health)
+        self._readiness = Readiness(self, {"/robot_b/chi": "hqp_controller"})
+
+    def _on_state(self, message: PlantState) -> None:
+        """Solve for a new state, if a stack is asked for."""
+        self._readiness.heard_plant = True
+        if message.status == PlantState.PAUSED:
+            return
+        try:
+            state = to_state(message, self._parts.team)
+        except InputError as error:
+            self._refuse(error)
+            return
+        if self._state is not None and state.tick == 0 < self._state.tick:
+            self._restart()
+        if self._state is None or state.tick > self._state.tick:
+            self._state = state
+            self._serve()
+
+    def _on_request(self, message: StackRequest) -> None:
+        """Take robot A's wish, and serve it for the present state if that is due."""
+        try:
+            self._schedule.hear(to_announcement(message, self._parts.stacks))
+        except InputError as error:
+            self._refuse(error)
+            return
+        self._serve()
+
+    def _serve(self) -> None:
+        """Send the optimum of the stack that is asked for, once per state and request."""
+        state = self._state
+        wanted = None if state is None else self._schedule.current(state.tick)
+        if state is None or wanted is None or self._served == (state.tick, wanted.id):
+            return
+        self._served = (state.tick, wanted.id)
+        begun = perf_counter()
+        kinematics = self._parts.team.kinematics(state)
+        references = self._targets.schedule.at(state.stamp)
+        solution = self._solver.solve(wanted.stack, kinematics, references)
+        bounds = self._solver.bounds(kinematics)
+        self._solve_time = perf_counter() - begun
+        chi = self._chi
+        _head(chi, state, wanted)
+        chi.chi = to_array(solution.chi)
+        chi.lower, chi.upper = to_array(bounds.lower), to_array(bounds.upper)
+        chi.slacks = to_array(solution.slacks)
+        usable = solution.solved and bool(np.isfinite(solution.chi).all())
+        chi.status = Chi.SOLVED if usable else Chi.FAILED
+        chi.reason = solution.reason
+        chi.empty_bounds = bounds.empty
+        chi.solve_time = self._solve_time
+        self._chi_out.publish(chi)
+        if not usable:
+            self._failures += 1
+            self.get_logger().warning(solution.reason, throttle_duration_sec=1.0)
+
+    def _restart(self) -> None:
+        """Begin anew after a reset of the plant."""
+        self.get_logger().info("the plant was reset: starting anew")
+        self._solver = build_stack_solver(self._resolved, self._parts)
+        self._targets.schedule = build_references(self._resolved, self._parts.team)
+        self._schedule = SourceSchedule()
+        self._state = None
+        self._served = (-1, 0)
+
+    def _refuse(self, error: InputError) -> None:
+        """Count and tell of a message that does not fit."""
+        self._refused += 1
+        self.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
+
+    def _health(self) -> Health:
+        """Return how the node is."""
+        return Health(
+            f"{self._failures} ticks without a solution" if self._failures else "",
+            {
+                "tick": str(self._served[0]),
+                "solve time [us]": f"{1e6 * self._solve_time:.0f}",
+                "failures": str(self._failures),
+                "refused messages": str(self._refused + self._targets.refused),
+            },
+        )
+
+
+def _head(chi: Chi, state: RobotState, wanted: Announcement) -> None:
+    """Write what the chi is for."""
+    chi.header.stamp = to_time(state.stamp)
+    chi.tick = state.tick
+    chi.stack = wanted.stack
+    chi.transition_id = wanted.id
+
+
+def main() -> int:
+    """Run robot B's solver; returns the exit code."""
+    return run_node(StackSolverNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,71 @@
+"""Runs one node in one process: one executor, and a clean end whatever the signals."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable
+from types import FrameType
+
+import rclpy
+from lexstack_core.errors import LexstackError
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+BAD_ARGUMENT = 2
+_WAIT = 0.2  # s, after which the loop looks whether it is to end
+
+
+def run_node(factory: Callable[[], Node]) -> int:
+    """Run the node that ``factory`` makes until SIGINT, SIGTERM or a shutdown of ROS.
+
+    A node with a method ``close`` has it called before it is destroyed, while it can still
+    publish and log. Signals only set a flag: no callback is torn apart by KeyboardInterrupt, and
+    a second signal does not disturb the end.
+
+    Returns:
+        The exit code: 0, or 2 when the node raised a LexstackError, whose line is printed.
+    """
+    stop = _StopFlag()
+    # Without its own signal handlers ROS stays up until the node has closed.
+    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
+    executor = EventsExecutor()
+    node: Node | None = None
+    try:
+        node = factory()
+        executor.add_node(node)
+        # Never executor.spin(): in this version it fires nothing and ignores signals.
+        while rclpy.ok() and not stop:
+            executor.spin_once(timeout_sec=_WAIT)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except LexstackError as error:
+        print(f"error: {error}", file=sys.stderr, flush=True)
+        return BAD_ARGUMENT
+    finally:
+        executor.shutdown()
+        if node is not None:
+            getattr(node, "close", lambda: None)()
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return 0
+
+
+class _StopFlag:
+    """True once SIGINT or SIGTERM has come."""
+
+    def __init__(self) -> None:
+        """Listen to both signals from now on."""
+        self._set = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._on_signal)
+
+    def __bool__(self) -> bool:
+        """Return whether a signal has come."""
+        return self._set
+
+    def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
+        """Remember it."""
+        self._set = True

@@ -1,0 +1,34 @@
+"""Package description for colcon and pip."""
+
+from setuptools import find_packages, setup
+
+PACKAGE = "lexstack_ros"
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    description="ROS 2 nodes of lexstack: HQP controller, stack solver and recorder.",
+    license="Apache-2.0",
+    maintainer="The lexstack authors",
+    maintainer_email="lexstack@users.noreply.github.com",
+    python_requires=">=3.11",
+    packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
+    package_data={PACKAGE: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (f"share/{PACKAGE}", ["package.xml"]),
+    ],
+    install_requires=[
+        "lexstack-bag",
+        "lexstack-core",
+        "numpy>=2",
+    ],
+    entry_points={
+        "console_scripts": [
+            "hqp_controller = lexstack_ros.nodes.hqp_controller:main",
+            "stack_solver = lexstack_ros.nodes.stack_solver:main",
+            "recorder = lexstack_ros.nodes.recorder:main",
+        ],
+    },
+    zip_safe=False,
+)

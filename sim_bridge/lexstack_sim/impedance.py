@@ -1,0 +1,86 @@
+"""The joint impedance control of T(40), for all robots at once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from lexstack_core.linear import Vector
+from lexstack_core.model import Team
+
+
+class ImpedanceLoop:
+    """T(40) tau = K_qd (q*' - v) + K_qp (q* - q) + g on the arms, velocity servos on the bases.
+
+    One set of vectors in the order of chi serves both: a base joint has no stiffness, damping or
+    gravity, and hands the reference velocity itself to its servo. The torque is limited, and so
+    is its rate of change.
+
+    Attributes:
+        control: what the actuators get, shape (n,): N m for arms, m/s and rad/s for bases; written
+            in place. It is the loop's only memory, so whoever saves it saves the loop.
+    """
+
+    def __init__(self, team: Team, period: float, control: Vector) -> None:
+        """Read the gains and limits of a team; ``period`` [s] is that of ``update``."""
+        self.control = control
+        self._stiffness = _stack(team, (0.0, 0.0, 0.0), "stiffness")
+        self._damping = _stack(team, (0.0, 0.0, 0.0), "damping")
+        self._feedforward = _stack(team, (1.0, 1.0, 1.0), "damping")
+        self._limit = _stack(team, (np.inf, np.inf, np.inf), "torque")
+        self._negative_limit = -self._limit
+        self._change = _stack(team, (np.inf, np.inf, np.inf), "torque_rate") * period
+        self._gravity = _Gravity(team)
+        self._scratch: Vector = np.zeros(team.n)
+        self._lower: Vector = np.zeros(team.n)
+        self._upper: Vector = np.zeros(team.n)
+
+    def reset(self, q: Vector) -> None:
+        """Start at rest at q, shape (n,), with the torques that hold it."""
+        np.clip(self._gravity(q), self._negative_limit, self._limit, out=self.control)
+
+    def update(self, q: Vector, v: Vector, q_star: Vector, v_star: Vector) -> None:
+        """Write the control of the next period; all arguments have shape (n,).
+
+        Args:
+            q, v: measured positions and velocities [m, rad; per second].
+            q_star, v_star: desired ones.
+        """
+        wanted, scratch, control = self._gravity(q), self._scratch, self.control
+        np.subtract(q_star, q, out=scratch)
+        scratch *= self._stiffness
+        wanted += scratch
+        np.multiply(self._feedforward, v_star, out=scratch)
+        wanted += scratch
+        np.multiply(self._damping, v, out=scratch)
+        wanted -= scratch
+        # First the rate, then the limit: both hold since the torque before was within its limit.
+        np.subtract(control, self._change, out=self._lower)
+        np.add(control, self._change, out=self._upper)
+        np.maximum(wanted, self._lower, out=wanted)
+        np.minimum(wanted, self._upper, out=wanted)
+        np.clip(wanted, self._negative_limit, self._limit, out=control)
+
+
+class _Gravity:
+    """g(q) of the nominal models: what the arms' controllers know of their load."""
+
+    def __init__(self, team: Team) -> None:
+        """Make the workspaces."""
+        self._robots = [
+            (robot.pinocchio, robot.pinocchio.createData(), part)
+            for robot, part in zip(team.robots, team.slices, strict=True)
+        ]
+        self._torque: Vector = np.zeros(team.n)
+
+    def __call__(self, q: Vector) -> Vector:
+        """Return g(q), shape (n,), N m (zero on planar bases); the array is used again."""
+        torque = self._torque
+        for model, data, part in self._robots:
+            torque[part] = pin.computeGeneralizedGravity(model, data, q[part])
+        return torque
+
+
+def _stack(team: Team, base: tuple[float, float, float], arm: str) -> Vector:
+    """Return one value per joint: ``base`` for the bases, a field of ArmConfig for the arms."""
+    return np.concatenate([[*base, *getattr(robot.config.arm, arm)] for robot in team.robots])

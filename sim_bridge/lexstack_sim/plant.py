@@ -1,0 +1,269 @@
+"""The plant: all robots of a scenario in MuJoCo, stepped one control tick at a time. No ROS."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass
+from enum import IntEnum
+
+import mujoco
+import numpy as np
+
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.errors import ConfigurationError, InputError, LexstackError
+from lexstack_core.linear import Vector
+from lexstack_core.model import Team
+from lexstack_core.state import RobotState
+from lexstack_sim.contacts import between_robots
+from lexstack_sim.impedance import ImpedanceLoop
+from lexstack_sim.world import PHYSICS_PERIOD, build_world
+from lexstack_sim.wrench import Wrench, apply_wrenches, wrench_on
+
+_ALL = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+_TOLERANCE = 1e-9  # relative; a command on its limit is within it
+
+
+class PlantError(LexstackError):
+    """The simulation itself went wrong."""
+
+
+class Status(IntEnum):
+    """What the plant did in its last tick; the numbers of ``PlantState.status``."""
+
+    FOLLOWING = 0  # executed the command of the tick
+    HOLDING = 1  # no command came: kept the one before
+    BRAKING = 2  # no command for the watchdog's time: slows all joints down within their limits
+    PAUSED = 3  # simulated time stands still
+
+
+@dataclass(slots=True)
+class Counters:
+    """Ticks since the last reset in which something was not as it should be."""
+
+    missing: int = 0  # no command came
+    over_velocity: int = 0  # the command exceeded a velocity limit
+    over_acceleration: int = 0  # the command changed by more than an acceleration limit allows
+    clamped: int = 0  # q* had run away from q and was pulled back
+    contact: int = 0  # robots touched each other
+
+
+@dataclass(slots=True)
+class _Memory:
+    """All that the plant remembers beside MuJoCo's own state."""
+
+    q_star: Vector
+    command: Vector
+    effort: Vector
+    tick: int = 0
+    silence: int = 0  # ticks since the last command
+    status: Status = Status.FOLLOWING
+    contact_force: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """A state of the plant to come back to, exactly."""
+
+    physics: Vector
+    memory: _Memory
+    counters: Counters
+    wrenches: tuple[Wrench, ...]
+
+
+class Plant:
+    """Robots under joint impedance control that take one chi per tick.
+
+    Attributes:
+        team: the robots.
+        period: the control period [s].
+        world: the MuJoCo model.
+        counters: what went wrong so far.
+        seed: of everything random in the plant.
+    """
+
+    def __init__(self, resolved: ResolvedScenario, team: Team, seed: int = 0) -> None:
+        """Build the world of a scenario and put the robots where they start.
+
+        Raises:
+            ConfigurationError: the control period is not a multiple of the physics step.
+        """
+        scenario = resolved.scenario
+        self.team = team
+        self.period = 1.0 / scenario.rate
+        self._steps = round(self.period / PHYSICS_PERIOD)
+        if self._steps < 1 or abs(self._steps * PHYSICS_PERIOD - self.period) > 1e-9:
+            raise ConfigurationError(
+                f"scenario {scenario.name}: rate: the period must be a multiple of "
+                f"{1e3 * PHYSICS_PERIOD:g} ms, got {1e3 * self.period:g} ms"
+            )
+        self._watchdog = round(scenario.timeouts.watchdog / self.period)  # ticks
+        self._home = team.home(resolved)
+        arms = [(*r.config.base.q_star_distance, *r.config.arm.q_star_distance) for r in team.robots]
+        self._distance = np.concatenate(arms)
+        self._step_limit = team.limits.acceleration * self.period
+        self.world = build_world(team)
+        self._data = mujoco.MjData(self.world)
+        self._loop = ImpedanceLoop(team, PHYSICS_PERIOD, self._data.ctrl)
+        self.reset(seed)
+
+    def reset(self, seed: int = 0) -> RobotState:
+        """Put the robots where the scenario starts, at rest, at tick 0; return that state."""
+        self.seed = seed
+        n = self.team.n
+        mujoco.mj_resetData(self.world, self._data)
+        self._data.qpos[:] = self._home
+        self._loop.reset(self._home)
+        self._memory = _Memory(self._home.copy(), np.zeros(n), self._data.ctrl.copy())
+        self._wrenches: list[Wrench] = []
+        self.counters = Counters()
+        return self.state()
+
+    @property
+    def status(self) -> Status:
+        """What the plant did in its last tick."""
+        return self._memory.status
+
+    @property
+    def effort(self) -> Vector:
+        """Forces of the actuators in the last physics step, shape (n,), N and N m."""
+        return _frozen(self._memory.effort)
+
+    @property
+    def contact_force(self) -> float:
+        """Sum of the normal forces between different robots in the last physics step [N]."""
+        return self._memory.contact_force
+
+    def state(self) -> RobotState:
+        """Return the present state."""
+        memory, data = self._memory, self._data
+        return RobotState(
+            tick=memory.tick,
+            stamp=memory.tick * self.period,
+            q=_frozen(data.qpos),
+            v=_frozen(data.qvel),
+            q_star=_frozen(memory.q_star),
+            command=_frozen(memory.command),
+        )
+
+    def step(self, chi: Vector | None) -> RobotState:
+        """Advance by one control period and return the new state.
+
+        Args:
+            chi: the command, shape (n,), m/s and rad/s; None: none came. The plant applies also a
+                command beyond the limits, as a real one would, and counts it.
+
+        Raises:
+            InputError: chi has a wrong length or is not finite; the plant has not moved.
+            PlantError: the simulation became unstable.
+        """
+        if chi is None:
+            self._miss()
+        else:
+            self._follow(self._checked(chi))
+        self._advance()
+        return self.state()
+
+    def apply_wrench(
+        self, robot: str, link: str, force: Vector, torque: Vector, duration: float
+    ) -> None:
+        """Push a link for ``duration`` [s] from now: force [N] and torque [N m], world axes.
+
+        Raises:
+            ConfigurationError: the robot is unknown.
+            InputError: the link is unknown, or a value is not finite.
+        """
+        if not (np.isfinite(duration) and duration > 0.0):
+            raise InputError(f"wrench: duration: must be finite and > 0, got {duration}")
+        model = self.team.robots[self.team.index(robot)]
+        end = self._data.time + duration - 0.5 * PHYSICS_PERIOD
+        self._wrenches.append(wrench_on(self.world, model, link, force, torque, end))
+
+    def save(self) -> Snapshot:
+        """Return all that the plant's future depends on."""
+        physics = np.empty(mujoco.mj_stateSize(self.world, _ALL))
+        mujoco.mj_getState(self.world, self._data, physics, _ALL)
+        return Snapshot(
+            physics,
+            copy.deepcopy(self._memory),
+            copy.copy(self.counters),
+            tuple(self._wrenches),
+        )
+
+    def restore(self, snapshot: Snapshot) -> RobotState:
+        """Go back to a saved state; what follows is the same to the bit."""
+        mujoco.mj_setState(self.world, self._data, snapshot.physics, _ALL)
+        self._memory = copy.deepcopy(snapshot.memory)
+        self.counters = copy.copy(snapshot.counters)
+        self._wrenches = list(snapshot.wrenches)
+        return self.state()
+
+    def _checked(self, chi: Vector) -> Vector:
+        """Return chi as floats; raises InputError."""
+        values = np.asarray(chi, dtype=np.float64)
+        if values.shape != (self.team.n,):
+            raise InputError(f"chi: expected {self.team.n} values, got shape {values.shape}")
+        if not np.isfinite(values).all():
+            i = int(np.flatnonzero(~np.isfinite(values))[0])
+            raise InputError(f"chi: value {i} is {values[i]}")
+        return values
+
+    def _follow(self, chi: Vector) -> None:
+        """Take a command over, and count what a well-behaved controller never sends."""
+        memory, limits = self._memory, self.team.limits
+        within = 1.0 + _TOLERANCE
+        change = np.abs(chi - memory.command)
+        self.counters.over_velocity += bool((np.abs(chi) > within * limits.velocity).any())
+        self.counters.over_acceleration += bool((change > within * self._step_limit).any())
+        memory.command[:] = chi
+        memory.silence = 0
+        memory.status = Status.FOLLOWING
+
+    def _miss(self) -> None:
+        """Keep the last command for the watchdog's time, then slow down within the limits."""
+        memory = self._memory
+        memory.silence += 1
+        self.counters.missing += 1
+        if memory.silence <= self._watchdog:
+            memory.status = Status.HOLDING
+            return
+        memory.status = Status.BRAKING
+        memory.command -= np.clip(memory.command, -self._step_limit, self._step_limit)
+
+    def _advance(self) -> None:
+        """Run the physics of one tick; q* moves along the command (first-order hold)."""
+        memory, data = self._memory, self._data
+        q, v, command = data.qpos, data.qvel, memory.command
+        increment = PHYSICS_PERIOD * command
+        for _ in range(self._steps):
+            self._loop.update(q, v, memory.q_star, command)
+            if self._wrenches:
+                self._push()
+            mujoco.mj_step(self.world, data)
+            memory.q_star += increment
+        if not np.isfinite(q).all():
+            raise PlantError(f"the simulation became unstable at {data.time:.3f} s")
+        self._bound_q_star()
+        memory.tick += 1
+        memory.effort[:] = data.actuator_force
+        touching, memory.contact_force = between_robots(self.world, data)
+        self.counters.contact += touching > 0
+
+    def _bound_q_star(self) -> None:
+        """Pull q* back where it has run away from q, e.g. against an obstacle."""
+        q, q_star = self._data.qpos, self._memory.q_star
+        bounded = np.clip(q_star, q - self._distance, q + self._distance)
+        if not np.array_equal(bounded, q_star):
+            self.counters.clamped += 1
+            q_star[:] = bounded
+
+    def _push(self) -> None:
+        """Apply the wrenches that have not ended."""
+        self._wrenches = [wrench for wrench in self._wrenches if self._data.time < wrench.end]
+        apply_wrenches(self.world, self._data, self._wrenches)
+
+
+def _frozen(values: Vector) -> Vector:
+    """Return a copy that cannot be written."""
+    result = np.array(values)
+    result.setflags(write=False)
+    return result

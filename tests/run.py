@@ -1,0 +1,53 @@
+"""Runs every check: linters, types, the architecture's contracts, then the tests."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+CHECKS = {
+    "lint": ["ruff", "check", "--quiet", "."],
+    "format": ["ruff", "format", "--check", "--quiet", "."],
+    "types": ["mypy", "--no-error-summary"],
+    "architecture": ["lint-imports"],
+}
+
+
+def run_check(name: str, command: list[str]) -> bool:
+    """Run a check, print its outcome on one line, and its output if it failed."""
+    start = time.monotonic()
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    outcome = "FAILED" if done.returncode else "ok"
+    print(f"{name}: {outcome} ({time.monotonic() - start:.1f} s)", flush=True)
+    if done.returncode:
+        print(done.stdout + done.stderr, flush=True)
+    return done.returncode == 0
+
+
+def main() -> int:
+    """Run all checks, then pytest with the arguments given; return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="./scripts/test",
+        description=__doc__,
+        epilog="Every other argument goes to pytest, e.g. tests/unit or -k bounds; "
+        "paths are relative to the root of the clone.",
+    )
+    _, arguments = parser.parse_known_args()
+    passed = [run_check(name, command) for name, command in CHECKS.items()]
+    failed = [name for name, ok in zip(CHECKS, passed, strict=True) if not ok]
+    if failed:
+        print(f"FAILED before the tests, see above: {', '.join(failed)}", flush=True)
+    variables = {**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1"}
+    command = [sys.executable, "-m", "pytest", *arguments]
+    tests = subprocess.run(command, cwd=ROOT, env=variables, check=False)
+    return tests.returncode or (1 if failed else 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
