@@ -7,6 +7,7 @@ import pinocchio as pin
 
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
+from lexstack_core.model.description import BASE_JOINTS
 
 
 class ImpedanceLoop:
@@ -24,12 +25,12 @@ class ImpedanceLoop:
     def __init__(self, team: Team, period: float, control: Vector) -> None:
         """Read the gains and limits of a team; ``period`` [s] is that of ``update``."""
         self.control = control
-        self._stiffness = _stack(team, (0.0, 0.0, 0.0), "stiffness")
-        self._damping = _stack(team, (0.0, 0.0, 0.0), "damping")
-        self._feedforward = _stack(team, (1.0, 1.0, 1.0), "damping")
-        self._limit = _stack(team, (np.inf, np.inf, np.inf), "torque")
+        self._stiffness = per_joint(team, 0.0, "stiffness")
+        self._damping = per_joint(team, 0.0, "damping")
+        self._feedforward = per_joint(team, 1.0, "damping")
+        self._limit = per_joint(team, np.inf, "torque")
         self._negative_limit = -self._limit
-        self._change = _stack(team, (np.inf, np.inf, np.inf), "torque_rate") * period
+        self._change = per_joint(team, np.inf, "torque_rate") * period
         self._gravity = _Gravity(team)
         self._scratch: Vector = np.zeros(team.n)
         self._lower: Vector = np.zeros(team.n)
@@ -43,8 +44,10 @@ class ImpedanceLoop:
         """Write the control of the next period; all arguments have shape (n,).
 
         Args:
-            q, v: measured positions and velocities [m, rad; per second].
-            q_star, v_star: desired ones.
+            q: measured positions [m, rad].
+            v: measured velocities [m/s, rad/s].
+            q_star: desired positions.
+            v_star: desired velocities.
         """
         wanted, scratch, control = self._gravity(q), self._scratch, self.control
         np.subtract(q_star, q, out=scratch)
@@ -81,6 +84,11 @@ class _Gravity:
         return torque
 
 
-def _stack(team: Team, base: tuple[float, float, float], arm: str) -> Vector:
-    """Return one value per joint: ``base`` for the bases, a field of ArmConfig for the arms."""
-    return np.concatenate([[*base, *getattr(robot.config.arm, arm)] for robot in team.robots])
+def per_joint(team: Team, base: str | float, arm: str) -> Vector:
+    """Return one value per joint, shape (n,): fields of BaseConfig (or one number) and ArmConfig."""
+    parts = []
+    for robot in team.robots:
+        config = robot.config
+        first = getattr(config.base, base) if isinstance(base, str) else [base] * len(BASE_JOINTS)
+        parts += [first, getattr(config.arm, arm)]
+    return np.concatenate(parts)

@@ -46,9 +46,7 @@ class Shape:
         place = {"pos": self.placement.translation, "quat": rotation, **attributes}
         name = f"{prefix}/{self.name}"
         if self.size.size:
-            return body.add_geom(
-                name=name, type=mujoco.mjtGeom.mjGEOM_BOX, size=self.size, **place
-            )
+            return body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_BOX, size=self.size, **place)
         spec.add_mesh(name=name, uservert=self.vertices.ravel(), userface=self.faces.ravel())
         return body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, **place)
 

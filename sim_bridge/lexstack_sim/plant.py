@@ -3,71 +3,28 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
-from enum import IntEnum
 
 import mujoco
 import numpy as np
 
 from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.errors import ConfigurationError, InputError, LexstackError
+from lexstack_core.errors import ConfigurationError, InputError
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
 from lexstack_core.state import RobotState
 from lexstack_sim.contacts import between_robots
 from lexstack_sim.impedance import ImpedanceLoop
+from lexstack_sim.memory import Counters, Memory, PlantError, Snapshot, Status
 from lexstack_sim.world import PHYSICS_PERIOD, build_world
 from lexstack_sim.wrench import Wrench, apply_wrenches, wrench_on
 
 _ALL = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+_DIVERGED = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
 _TOLERANCE = 1e-9  # relative; a command on its limit is within it
-
-
-class PlantError(LexstackError):
-    """The simulation itself went wrong."""
-
-
-class Status(IntEnum):
-    """What the plant did in its last tick; the numbers of ``PlantState.status``."""
-
-    FOLLOWING = 0  # executed the command of the tick
-    HOLDING = 1  # no command came: kept the one before
-    BRAKING = 2  # no command for the watchdog's time: slows all joints down within their limits
-    PAUSED = 3  # simulated time stands still
-
-
-@dataclass(slots=True)
-class Counters:
-    """Ticks since the last reset in which something was not as it should be."""
-
-    missing: int = 0  # no command came
-    over_velocity: int = 0  # the command exceeded a velocity limit
-    over_acceleration: int = 0  # the command changed by more than an acceleration limit allows
-    clamped: int = 0  # q* had run away from q and was pulled back
-    contact: int = 0  # robots touched each other
-
-
-@dataclass(slots=True)
-class _Memory:
-    """All that the plant remembers beside MuJoCo's own state."""
-
-    q_star: Vector
-    command: Vector
-    effort: Vector
-    tick: int = 0
-    silence: int = 0  # ticks since the last command
-    status: Status = Status.FOLLOWING
-    contact_force: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Snapshot:
-    """A state of the plant to come back to, exactly."""
-
-    physics: Vector
-    memory: _Memory
-    counters: Counters
-    wrenches: tuple[Wrench, ...]
 
 
 class Plant:
@@ -98,7 +55,9 @@ class Plant:
             )
         self._watchdog = round(scenario.timeouts.watchdog / self.period)  # ticks
         self._home = team.home(resolved)
-        arms = [(*r.config.base.q_star_distance, *r.config.arm.q_star_distance) for r in team.robots]
+        arms = [
+            (*r.config.base.q_star_distance, *r.config.arm.q_star_distance) for r in team.robots
+        ]
         self._distance = np.concatenate(arms)
         self._step_limit = team.limits.acceleration * self.period
         self.world = build_world(team)
@@ -113,7 +72,7 @@ class Plant:
         mujoco.mj_resetData(self.world, self._data)
         self._data.qpos[:] = self._home
         self._loop.reset(self._home)
-        self._memory = _Memory(self._home.copy(), np.zeros(n), self._data.ctrl.copy())
+        self._memory = Memory(self._home.copy(), np.zeros(n), self._data.ctrl.copy())
         self._wrenches: list[Wrench] = []
         self.counters = Counters()
         return self.state()
@@ -240,7 +199,7 @@ class Plant:
                 self._push()
             mujoco.mj_step(self.world, data)
             memory.q_star += increment
-        if not np.isfinite(q).all():
+        if any(data.warning[kind].number for kind in _DIVERGED):
             raise PlantError(f"the simulation became unstable at {data.time:.3f} s")
         self._bound_q_star()
         memory.tick += 1

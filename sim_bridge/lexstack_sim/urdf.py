@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET  # noqa: S405 - reads a file of an installed package
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
 
 from lexstack_core.model import RobotModel
-from lexstack_core.model.description import BASE_JOINTS, description_path
+from lexstack_core.model.description import BASE_JOINTS, build_base, description_path
 
 
 def robot_urdf(robot: RobotModel) -> str:
@@ -26,8 +27,7 @@ def robot_urdf(robot: RobotModel) -> str:
     _add_platform(root, robot)
     mount = _joint(root, "arm_mount", "fixed", "base", arm.root)
     _origin(mount, arm.mount.xyz, arm.mount.rpy)
-    # The file belongs to an installed package, as does the code that reads it.
-    source = ET.parse(description_path(arm.description)).getroot()  # noqa: S314
+    source = ET.parse(description_path(arm.description)).getroot()  # noqa: S314 - as above
     root.extend(element for element in source if element.tag in ("link", "joint"))
     ET.SubElement(root, "link", name="tool")
     tool = _joint(root, "tool_mount", "fixed", robot.config.tool.parent, "tool")
@@ -37,24 +37,24 @@ def robot_urdf(robot: RobotModel) -> str:
 
 
 def _add_platform(root: ET.Element, robot: RobotModel) -> None:
-    """Add the link ``base``: a box on four cylinders, with the mass of the whole platform."""
+    """Add the link ``base``: a box on four cylinders, with the inertia of the model's platform."""
     base, wheels = robot.config.base, robot.config.base.wheels
     link = ET.SubElement(root, "link", name="base")
-    model = robot.pinocchio
-    inertia = model.inertias[model.frames[model.getFrameId("base")].parentJoint]
+    platform = build_base(base).inertias[len(BASE_JOINTS)]
     inertial = ET.SubElement(link, "inertial")
-    _origin(inertial, (0.0, 0.0, base.chassis_height))
-    # The arm's root link is the URDF's own, so the platform's mass is what the table says.
-    ET.SubElement(inertial, "mass", value=str(base.chassis_mass + 4 * wheels.mass))
-    names = ("ixx", "iyy", "izz")
-    tensor = dict(zip(names, map(str, base.chassis_inertia), strict=True))
-    ET.SubElement(inertial, "inertia", tensor | {"ixy": "0", "ixz": "0", "iyz": "0"})
-    del inertia
+    _origin(inertial, platform.lever)
+    ET.SubElement(inertial, "mass", value=repr(float(platform.mass)))
+    tensor = {
+        f"i{'xyz'[i]}{'xyz'[j]}": repr(float(platform.inertia[i, j]))
+        for i in range(3)
+        for j in range(i, 3)
+    }
+    ET.SubElement(inertial, "inertia", tensor)
     for kind in ("visual", "collision"):
         chassis = ET.SubElement(link, kind)
         _origin(chassis, (0.0, 0.0, base.chassis_height))
         geometry = ET.SubElement(chassis, "geometry")
-        ET.SubElement(geometry, "box", size=" ".join(map(str, base.chassis_size)))
+        ET.SubElement(geometry, "box", size=_text(base.chassis_size))
     for x in (wheels.x, -wheels.x):
         for y in (wheels.y, -wheels.y):
             wheel = ET.SubElement(link, "visual")
@@ -73,9 +73,12 @@ def _joint(root: ET.Element, name: str, kind: str, parent: str, child: str) -> E
 
 
 def _origin(
-    element: ET.Element,
-    xyz: tuple[float, float, float],
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    element: ET.Element, xyz: Iterable[float], rpy: Iterable[float] = (0.0, 0.0, 0.0)
 ) -> None:
     """Place an element in its parent."""
-    ET.SubElement(element, "origin", xyz=" ".join(map(str, xyz)), rpy=" ".join(map(str, rpy)))
+    ET.SubElement(element, "origin", xyz=_text(xyz), rpy=_text(rpy))
+
+
+def _text(values: Iterable[float]) -> str:
+    """Return numbers as URDF has them, without loss."""
+    return " ".join(repr(float(value)) for value in values)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-import pinocchio as pin
 
 from lexstack_core.errors import InputError
 from lexstack_core.linear import Vector

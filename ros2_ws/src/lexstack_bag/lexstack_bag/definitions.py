@@ -10,10 +10,6 @@ from pathlib import Path
 
 from lexstack_bag.errors import BagError
 
-PRIMITIVES = frozenset(
-    "bool byte char float32 float64 int8 uint8 int16 uint16 int32 uint32 int64 uint64 "
-    "string wstring".split()
-)
 _SEPARATOR = "=" * 80
 _FIELD = re.compile(r"^\s*([A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+\w+")
 
@@ -69,9 +65,10 @@ def _needed_types(text: str, package: str) -> list[str]:
     needed = []
     for line in text.splitlines():
         match = _FIELD.match(line.split("#", 1)[0])
-        # A bounded string reads string<=10, its bound is cut off by the pattern.
-        if match is None or match[1] in PRIMITIVES:
+        if match is None:
             continue
         owner, _, kind = match[1].replace("/msg/", "/").rpartition("/")
+        if kind[0].islower():  # a primitive: the names of messages are in camel case
+            continue
         needed.append(f"{owner or package}/msg/{kind}")
     return needed

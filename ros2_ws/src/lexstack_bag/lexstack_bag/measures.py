@@ -9,12 +9,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from lexstack_core.linear import Matrix, Vector
-from lexstack_core.model import Team
-from lexstack_core.rotation import from_quaternion
 from numpy.typing import NDArray
 
 from lexstack_bag.run import Run, Target
+from lexstack_core.linear import Matrix, Vector
+from lexstack_core.model import Team
+from lexstack_core.rotation import from_quaternion
 
 COMMANDER = "robot_a"  # whose chi is the command
 _MM = 1e3

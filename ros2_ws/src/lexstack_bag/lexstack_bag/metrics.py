@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from lexstack_core.linear import Matrix, Vector
 
 from lexstack_bag.measures import COMMANDER, Measures
-from lexstack_bag.phases import BASE_TASKS, EE_TASKS, Phase, robots_with
+from lexstack_bag.phases import BASE_TASKS, EE_TASKS, Phase, tasks_of
 from lexstack_bag.run import Run, SolveStatus
+from lexstack_bag.settling import settled_after
+from lexstack_core.linear import Matrix, Vector
 
 STEADY_WINDOW = 0.5  # s, the end of a phase over which steady-state errors are averaged
-SETTLED_BAND = 1.0  # mm, an error is settled once it stays below its steady state plus this
 
 PerRobot = dict[str, float | None]
 
@@ -93,21 +94,19 @@ def _phase(run: Run, measures: Measures, phase: Phase) -> PhaseMetrics:
     """Return the figures of one phase."""
     ticks = phase.ticks(measures.time)
     steady = ticks & (measures.time >= phase.end - STEADY_WINDOW - 1e-6)
-    ee = robots_with(run, phase.stack, EE_TASKS)
-    base = robots_with(run, phase.stack, BASE_TASKS)
+    ee = tasks_of(run, phase.stack, EE_TASKS)
+    base = tasks_of(run, phase.stack, BASE_TASKS)
 
-    def figures(errors: Matrix, rows: Any, take: Any, robots: tuple[str, ...]) -> PerRobot:
+    def figures(errors: Matrix, rows: Any, take: Any, robots: Collection[str]) -> PerRobot:
         return {
             name: _number(take(errors[rows, i])) if name in robots and rows.any() else None
             for i, name in enumerate(run.robots)
         }
 
-    series = [measures.ee_error[:, run.robots.index(name)] for name in ee]
-    series += [measures.base_error[:, run.robots.index(name)] for name in base]
     return PhaseMetrics(
         stack=phase.stack,
         start_s=round(phase.start, 9),
-        settled_s=_settled([(errors[ticks], errors[steady]) for errors in series], run.period),
+        settled_s=settled_after(run, measures, phase.stack, ticks, steady),
         transition_s=None if phase.adopted is None else round(phase.adopted - phase.start, 9),
         ee_error_mm=figures(measures.ee_error, steady, np.mean, ee),
         ee_peak_error_mm=figures(measures.ee_error, ticks, np.max, ee),
@@ -119,30 +118,11 @@ def _phase(run: Run, measures: Measures, phase: Phase) -> PhaseMetrics:
     )
 
 
-def _settled(series: list[tuple[Vector, Vector]], period: float) -> float | None:
-    """Return the time after which every error stays within its band [s]; None: never, or none.
-
-    Args:
-        series: per error its values in the phase and those in the steady window [mm].
-        period: of the ticks [s].
-    """
-    times = []
-    for errors, steady in series:
-        if not len(errors):
-            return None
-        outside = np.flatnonzero(~(errors <= np.mean(steady) + SETTLED_BAND))
-        last = int(outside[-1]) + 1 if len(outside) else 0
-        if last == len(errors):
-            return None
-        times.append(last * period)
-    return round(max(times), 9) if times else None
-
-
 def _empty_bounds(run: Run) -> int:
-    """Return the ticks with lower > upper: as robot A counted, and as the bag shows."""
+    """Return the ticks with an empty box: as robot A said, or as the bag shows."""
     command = run.chi[COMMANDER]
-    shown = int(np.count_nonzero((command.lower > command.upper).any(axis=1)))
-    return max(shown, _last(command.empty_bounds))
+    empty = (command.lower > command.upper).any(axis=1) | (command.empty_bounds > 0)
+    return int(np.count_nonzero(empty))
 
 
 def _gaps(ticks: Any) -> int:

@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from lexstack_core.linear import Vector
 from numpy.typing import NDArray
 
 from lexstack_bag.measures import COMMANDER
 from lexstack_bag.run import Run, TransitionPhase
+from lexstack_core.config.stack import TaskConfig
+from lexstack_core.linear import Vector
 
 EE_TASKS = frozenset({"ee_pose", "ee_position"})
 BASE_TASKS = frozenset({"base"})
+POSTURE_TASKS = frozenset({"posture"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +51,10 @@ def find_phases(run: Run) -> tuple[Phase, ...]:
 
 
 def _switches(run: Run) -> list[tuple[float, str, float | None]]:
-    """Return trigger, stack and adoption of every switch."""
+    """Return trigger [s], stack and adoption [s] of every switch.
+
+    A stack counts as adopted at the end of the blend, also where A stays with the source.
+    """
     status = run.transition
     under_way = np.isin(status.phase, (TransitionPhase.PREPARING, TransitionPhase.BLENDING))
     switches = []
@@ -57,19 +62,16 @@ def _switches(run: Run) -> list[tuple[float, str, float | None]]:
         mine = status.id == number
         trigger = int(np.flatnonzero(mine & under_way)[0])
         target = str(status.to_stack[trigger])
-        taken_over = (status.phase == TransitionPhase.ADOPTING) | (
-            (status.phase == TransitionPhase.IDLE) & (status.from_stack == target)
-        )
-        after = mine & taken_over & (np.arange(len(mine)) > trigger)
-        adopted = float(status.stamp[after][0]) if after.any() else None
+        arrived = mine & (status.to_stack == target) & (status.alpha >= 1.0)
+        arrived &= status.phase != TransitionPhase.ABORTED
+        adopted = float(status.stamp[arrived][0]) if arrived.any() else None
         switches.append((float(status.stamp[trigger]), target, adopted))
     return switches
 
 
-def robots_with(run: Run, stack: str, types: frozenset[str]) -> tuple[str, ...]:
-    """Return the robots for which a stack has a task of one of these types."""
+def tasks_of(run: Run, stack: str, types: frozenset[str]) -> dict[str, TaskConfig]:
+    """Return a stack's task of one of these types, by robot; a robot without one is left out."""
     config = run.resolved.stacks.get(stack)
-    if config is None:
-        return ()
-    tasks = [task for level in config.levels for task in level.tasks if task.type in types]
-    return tuple(name for name in run.robots if any(t.robot in ("", name) for t in tasks))
+    levels = () if config is None else config.levels
+    tasks = [task for level in levels for task in level.tasks if task.type in types]
+    return {name: task for name in run.robots for task in tasks[::-1] if task.robot in ("", name)}

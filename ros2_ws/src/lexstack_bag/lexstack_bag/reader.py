@@ -8,9 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.errors import ConfigurationError
-from lexstack_core.model import Team
 from mcap.records import Schema
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -20,6 +17,9 @@ from lexstack_bag.errors import BagError
 from lexstack_bag.loss import LossCounter
 from lexstack_bag.run import ChiStream, PlantStream, Run, Target, TransitionStream
 from lexstack_bag.writer import CLOSING_RECORD, SCENARIO_RECORD
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.errors import ConfigurationError
+from lexstack_core.model import Team
 
 PLANT_STATE = "/plant/state"
 TRANSITION = "/robot_a/transition"

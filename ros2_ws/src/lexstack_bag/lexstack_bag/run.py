@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
+
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
-from numpy.typing import NDArray
 
 Integers = NDArray[np.int64]
 Strings = NDArray[np.str_]
@@ -69,7 +70,7 @@ class ChiStream:
     upper: Matrix  # (T, n)
     slacks: tuple[Vector, ...]  # T vectors: each level's residual
     status: Integers  # (T,) of SolveStatus
-    empty_bounds: Integers  # (T,) ticks so far with an empty box
+    empty_bounds: Integers  # (T,) joints with an empty box at the tick
     solve_time: Vector  # (T,) s, wall clock
     reason: Strings  # (T,)
 

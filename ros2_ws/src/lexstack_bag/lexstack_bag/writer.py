@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
@@ -54,9 +53,7 @@ class BagWriter:
             self._file = self.path.open("xb")
         except OSError as error:
             raise BagError(f"{folder}: cannot be written: {error.strerror}") from error
-        self._writer = Writer(
-            self._file, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD
-        )
+        self._writer = Writer(self._file, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library="lexstack_bag")
         self._writer.add_metadata(SCENARIO_RECORD, dict(facts))
 
@@ -153,4 +150,4 @@ class BagWriter:
         # Renamed into place: whoever sees metadata.yaml sees all of it, and a finished .mcap.
         draft = self.folder / ".metadata.yaml"
         draft.write_text(to_yaml({"rosbag2_bagfile_information": information}), encoding="utf-8")
-        os.replace(draft, self.folder / "metadata.yaml")
+        draft.replace(self.folder / "metadata.yaml")

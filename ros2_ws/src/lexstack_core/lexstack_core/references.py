@@ -57,7 +57,9 @@ class ReferenceSchedule:
         return cls(
             References(
                 tuple(
-                    pose_from_config(scenario.ee_target[name]) if name in scenario.ee_target else tool
+                    pose_from_config(scenario.ee_target[name])
+                    if name in scenario.ee_target
+                    else tool
                     for name, tool in zip(team.names, tools, strict=True)
                 ),
                 tuple(

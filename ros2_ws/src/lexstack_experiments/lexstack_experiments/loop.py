@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from lexstack_core.build import Parts, build_controller, build_references, build_stack_solver
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.config.scenario import EventConfig
@@ -13,7 +14,7 @@ from lexstack_core.controller import Command
 from lexstack_core.model import Team
 from lexstack_core.references import ReferenceSchedule, Target, pose_from_config
 from lexstack_core.state import RobotState
-from lexstack_core.transition.status import SourceSchedule, SourceSample
+from lexstack_core.transition.status import SourceSample, SourceSchedule
 from lexstack_sim.plant import Plant
 
 

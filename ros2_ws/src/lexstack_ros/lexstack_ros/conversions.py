@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
+
 from lexstack_core.controller import Command
 from lexstack_core.errors import InputError
 from lexstack_core.linear import Vector
@@ -152,9 +153,7 @@ def to_announcement(message: StackRequest, stacks: Any) -> Announcement:
     """Return a request to a source; raises InputError for a stack that is not known."""
     if message.stack not in stacks:
         known = ", ".join(sorted(stacks))
-        raise InputError(
-            f"/robot_a/stack_request: unknown stack {message.stack!r}; known: {known}"
-        )
+        raise InputError(f"/robot_a/stack_request: unknown stack {message.stack!r}; known: {known}")
     return Announcement(message.id, message.stack, message.start_tick, message.active)
 
 
@@ -172,7 +171,9 @@ def to_base_target(message: PoseStamped, robot: int, where: str) -> Target:
     pose = _to_pose(message, where)
     tilt = math.acos(min(max(float(pose.rotation[2, 2]), -1.0), 1.0))
     if tilt > _UPRIGHT:
-        raise InputError(f"{where}: orientation: a base stands upright, got a tilt of {tilt:.3f} rad")
+        raise InputError(
+            f"{where}: orientation: a base stands upright, got a tilt of {tilt:.3f} rad"
+        )
     yaw = math.atan2(pose.rotation[1, 0], pose.rotation[0, 0])
     base = np.array([pose.position[0], pose.position[1], yaw])
     return Target(to_seconds(message.header.stamp), robot, base=base)

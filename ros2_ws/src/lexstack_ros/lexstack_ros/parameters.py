@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.errors import ConfigurationError
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
+
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.errors import ConfigurationError
 
 
 def text_parameter(node: Node, name: str, description: str, default: str | None = None) -> str:

@@ -7,9 +7,6 @@ import inspect
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from lexstack_bag.errors import BagError
-from lexstack_bag.loss import LossCounter
-from lexstack_bag.metadata import Qos, Topic
 from rclpy.event_handler import (
     QoSMessageLostInfo,
     QoSRequestedIncompatibleQoSInfo,
@@ -19,6 +16,10 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from lexstack_bag.errors import BagError
+from lexstack_bag.loss import LossCounter
+from lexstack_bag.metadata import Qos, Topic
 
 # Messages that may wait while a chunk is compressed or the disk is slow.
 _DEPTH = 2000
@@ -75,16 +76,12 @@ def matching_qos(offers: list[TopicEndpointInfo]) -> QoSProfile:
     """
     profiles = [offer.qos_profile for offer in offers]
     reliable = all(p.reliability == ReliabilityPolicy.RELIABLE for p in profiles)
-    latched = profiles and all(
-        p.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in profiles
-    )
+    latched = profiles and all(p.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in profiles)
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
         depth=_DEPTH,
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=(
-            DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
-        ),
+        durability=(DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE),
     )
 
 
@@ -129,7 +126,9 @@ class Tap:
         incompatible: whether a publisher offers less than that profile asks for.
     """
 
-    def __init__(self, node: Node, topic: str, type_name: str, qos: QoSProfile, store: Store):
+    def __init__(
+        self, node: Node, topic: str, type_name: str, qos: QoSProfile, store: Store
+    ) -> None:
         """Subscribe; ``store`` gets topic, bytes and message info of each message."""
         self.topic = topic
         self.type_name = type_name

@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import partial
 
 from geometry_msgs.msg import PoseStamped
+from rclpy.node import Node
+
 from lexstack_core.errors import InputError
 from lexstack_core.model import Team
 from lexstack_core.references import ReferenceSchedule
-from rclpy.node import Node
-
 from lexstack_ros.conversions import to_base_target, to_ee_target
 from lexstack_ros.qos import STREAM
 

@@ -8,11 +8,13 @@ from collections.abc import Callable
 from types import FrameType
 
 import rclpy
-from lexstack_core.errors import LexstackError
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+
+from lexstack_core.errors import LexstackError
+from lexstack_ros.supervisor import end_with_supervisor
 
 BAD_ARGUMENT = 2
 _WAIT = 0.2  # s, after which the loop looks whether it is to end
@@ -29,6 +31,7 @@ def run_node(factory: Callable[[], Node]) -> int:
         The exit code: 0, or 2 when the node raised a LexstackError, whose line is printed.
     """
     stop = _StopFlag()
+    end_with_supervisor()
     # Without its own signal handlers ROS stays up until the node has closed.
     rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
     executor = EventsExecutor()

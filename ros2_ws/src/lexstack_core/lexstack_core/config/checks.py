@@ -36,9 +36,7 @@ def same_length(where: str, length: int, **values: tuple[float, ...]) -> None:
     """Raise ConfigurationError unless every list has ``length`` entries."""
     for name, value in values.items():
         if len(value) != length:
-            raise ConfigurationError(
-                f"{where}: {name}: expected {length} values, got {len(value)}"
-            )
+            raise ConfigurationError(f"{where}: {name}: expected {length} values, got {len(value)}")
 
 
 def _numbers(value: float | Iterable[float]) -> Iterable[float]:

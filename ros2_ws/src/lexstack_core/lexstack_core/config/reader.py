@@ -55,9 +55,7 @@ def build(kind: type[T], data: object, where: str) -> T:
     for name, field in fields.items():
         if name in data:
             values[name] = _convert(hints[name], data[name], f"{where}: {name}")
-        elif (
-            field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-        ):
+        elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
             raise ConfigurationError(f"{where}: key {name!r} is missing")
     result = kind(**values)
     validate = getattr(result, "validate", None)
@@ -92,7 +90,7 @@ def _convert(hint: Any, value: object, where: str) -> Any:
     if origin is typing.Literal:
         return _convert_choice(typing.get_args(hint), value, where)
     if dataclasses.is_dataclass(hint):
-        return build(typing.cast(type, hint), value, where)
+        return build(typing.cast("type", hint), value, where)
     return _convert_scalar(hint, value, where)
 
 

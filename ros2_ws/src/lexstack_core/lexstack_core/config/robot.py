@@ -9,6 +9,19 @@ from lexstack_core.errors import ConfigurationError
 
 Vector3 = tuple[float, float, float]
 
+# The lists of an arm that have one entry per joint.
+_ANGLES = ("home", "position_lower", "position_upper")
+_POSITIVE = (
+    "velocity",
+    "acceleration",
+    "jerk",
+    "torque",
+    "torque_rate",
+    "stiffness",
+    "q_star_distance",
+)
+_NOT_NEGATIVE = ("damping", "armature")
+
 
 @dataclass(frozen=True, slots=True)
 class FrameConfig:
@@ -86,25 +99,11 @@ class ArmConfig:
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a list of the wrong length or a value out of range."""
-        lists = {
-            name: getattr(self, name)
-            for name in (
-                "home position_lower position_upper velocity acceleration jerk torque torque_rate "
-                "stiffness damping armature q_star_distance"
-            ).split()
-        }
+        lists = {name: getattr(self, name) for name in (*_ANGLES, *_POSITIVE, *_NOT_NEGATIVE)}
         same_length(where, len(self.joints), **lists)
-        finite(where, **{k: lists[k] for k in ("home", "position_lower", "position_upper")})
-        not_negative(where, armature=self.armature, damping=self.damping)
-        positive(
-            where,
-            **{
-                k: lists[k]
-                for k in (
-                    "velocity acceleration jerk torque torque_rate stiffness q_star_distance"
-                ).split()
-            },
-        )
+        finite(where, **{name: lists[name] for name in _ANGLES})
+        positive(where, **{name: lists[name] for name in _POSITIVE})
+        not_negative(where, **{name: lists[name] for name in _NOT_NEGATIVE})
         for i, name in enumerate(self.joints):
             if not self.position_lower[i] < self.position_upper[i]:
                 raise ConfigurationError(f"{where}: {name}: position_lower >= position_upper")

@@ -1,13 +1,13 @@
 """Strict hierarchical quadratic programming: T(8) to T(15) behind one interface."""
 
 from lexstack_core.errors import ConfigurationError
-from lexstack_core.hqp.daqp_cascade import daqp_cascade
+from lexstack_core.hqp.daqp_cascade import DaqpCascade
 from lexstack_core.hqp.problem import HqpProblem, HqpSolver, Solution, SolverFactory, Status
-from lexstack_core.hqp.proxqp_cascade import proxqp_cascade
+from lexstack_core.hqp.proxqp_cascade import ProxqpCascade
 
 SOLVERS: dict[str, SolverFactory] = {
-    "daqp": daqp_cascade,
-    "proxqp": proxqp_cascade,
+    "daqp": DaqpCascade,
+    "proxqp": ProxqpCascade,
 }
 """The solvers by the name that a configuration uses; the first is the default."""
 

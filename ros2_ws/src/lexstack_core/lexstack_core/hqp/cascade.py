@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,13 +23,14 @@ from lexstack_core.hqp.refine import Point, refine
 from lexstack_core.hqp.rows import FEASIBILITY, LevelRows, Signs
 from lexstack_core.linear import LinearTask, Matrix, Vector
 
+EXCHANGES = 6  # guesses of the whole working set before the cascade decides
 _NEGLIGIBLE = 1e-9  # rows of a reduced bound shorter than this cannot leave it
 
 
 class NullSpaceCascade:
     """The strict solver around a backend for quadratic programs."""
 
-    def __init__(self, backend: QpBackend, exchanges: int = 6) -> None:
+    def __init__(self, backend: QpBackend, exchanges: int = EXCHANGES) -> None:
         """Use a backend; ``exchanges`` guesses are tried first, 0 leaves all to the backend."""
         self.name = f"{backend.name}_cascade"
         self._backend = backend
@@ -89,6 +91,10 @@ class NullSpaceCascade:
             qp.soft, qp.soft_lower, qp.soft_upper, z
         ):
             return Point(z, factor.null, np.zeros(qp.soft_lower.size, dtype=np.int8))
+        if factor.rank < min(qp.objective.shape):
+            # What counts as zero is made zero, so that the backend and the levels below agree.
+            rounding = qp.objective.dot(factor.null).dot(factor.null.T)
+            qp = replace(qp, objective=qp.objective - rounding)
         answer = self._backend.solve(qp, guess)
         return answer.reason or refine(qp, answer)
 
@@ -124,6 +130,7 @@ def _reduce(
         soft=reduced[other],
         soft_lower=(level.lower - value)[other],
         soft_upper=(level.upper - value)[other],
+        norm=level.norm,
         tolerance=level.tolerance,
     )
     return qp, joints

@@ -5,13 +5,14 @@ from __future__ import annotations
 import daqp
 import numpy as np
 
-from lexstack_core.hqp.cascade import NullSpaceCascade
+from lexstack_core.hqp.cascade import EXCHANGES, NullSpaceCascade
 from lexstack_core.hqp.qp import LevelQp, QpAnswer
 from lexstack_core.hqp.rows import Signs
 
 # DAQP factors H, so a level that does not use all freedom needs a proximal term, relative to the
-# largest diagonal entry. It picks one optimum out of many; `refine` removes what it costs.
-_PROXIMAL = 1e-9
+# squared norm of the task. It picks one optimum out of many; `refine` removes what it costs. The
+# second one is for levels that are singular but for rounding, where DAQP fails with the first.
+_PROXIMAL = (1e-9, 1e-6)
 _SETTINGS = {"primal_tol": 1e-9, "dual_tol": 1e-12, "iter_limit": 300, "eps_prox": 0.0}
 _ACTIVE, _LOWER = 1, 2
 _WORDS = {
@@ -32,16 +33,23 @@ class DaqpBackend:
     def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:
         """Solve with DAQP; ``guess`` becomes its first working set."""
         hessian, gradient, rows, lower, upper = qp.assemble()
-        diagonal = hessian.reshape(-1)[:: gradient.size + 1]
-        diagonal += _PROXIMAL * diagonal.max()
         sense = np.zeros(lower.size, dtype=np.intc)
         sense[: guess.size][guess > 0] = _ACTIVE
         sense[: guess.size][guess < 0] = _ACTIVE | _LOWER
-        x, _, flag, info = daqp.solve(hessian, gradient, rows, upper, lower, sense, **_SETTINGS)
-        reason = "" if flag > 0 else _WORDS.get(flag, f"exit flag {flag}")
-        return QpAnswer(x[: qp.objective.shape[1]], info["lam"][: guess.size], reason)
+        diagonal = hessian.reshape(-1)[:: gradient.size + 1]
+        for proximal in _PROXIMAL:
+            diagonal += proximal
+            x, _, flag, info = daqp.solve(
+                hessian, gradient, rows, upper, lower, sense.copy(), **_SETTINGS
+            )
+            if flag > 0:
+                return QpAnswer(x[: qp.objective.shape[1]], info["lam"][: guess.size], "")
+        return QpAnswer(x, lower, _WORDS.get(flag, f"exit flag {flag}"))
 
 
-def daqp_cascade() -> NullSpaceCascade:
-    """Return the strict solver with DAQP."""
-    return NullSpaceCascade(DaqpBackend())
+class DaqpCascade(NullSpaceCascade):
+    """The strict solver with DAQP."""
+
+    def __init__(self, exchanges: int = EXCHANGES) -> None:
+        """Try ``exchanges`` guesses before DAQP is asked."""
+        super().__init__(DaqpBackend(), exchanges)

@@ -10,8 +10,7 @@ import numpy as np
 from lexstack_core.hqp.rows import Signs
 from lexstack_core.linear import Matrix, Vector
 
-FAR = 1e20  # a bound that no solver reaches
-TINY = 1e-200  # squares of task rows below this are zero
+FAR = 1e30  # a bound that no solver reaches
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +29,7 @@ class LevelQp:
         soft: inequality rows of this level, shape (s, r).
         soft_lower: shape (s,).
         soft_upper: shape (s,).
+        norm: Frobenius norm of the level's rows before they were reduced, positive.
         tolerance: pivots of the objective below this count as zero.
     """
 
@@ -41,6 +41,7 @@ class LevelQp:
     soft: Matrix
     soft_lower: Vector
     soft_upper: Vector
+    norm: float
     tolerance: float
 
     def assemble(self) -> tuple[Matrix, Vector, Matrix, Vector, Vector]:
@@ -48,7 +49,9 @@ class LevelQp:
         r, s = self.objective.shape[1], self.soft_lower.size
         hessian = self.objective.T.dot(self.objective)
         gradient = -self.target.dot(self.objective)
-        scale = 1.0 / max(float(hessian.diagonal().max()), 1.0 if s else TINY)
+        # By the scale of the task, not of what the levels above leave of it: a level that is
+        # almost used up would have an enormous gradient, on which solvers stall.
+        scale = 1.0 / (self.norm * self.norm)
         hessian *= scale
         gradient *= scale
         rows, lower, upper = self.hard, self.hard_lower, self.hard_upper

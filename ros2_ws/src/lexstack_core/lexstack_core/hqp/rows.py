@@ -13,8 +13,8 @@ from lexstack_core.linear import LinearTask, Matrix, Vector
 Signs = NDArray[np.int8]  # -1 at the lower bound, +1 at the upper bound, 0 at neither
 
 # Relative to the Frobenius norm of a level: smaller pivots are directions that the level does not
-# have. What a level can lose by it is the tolerance times the length of chi: below 1e-7.
-RANK_TOLERANCE = 1e-8
+# have. What a level can lose by it is the tolerance times the length of chi: below 1e-6.
+RANK_TOLERANCE = 1e-7
 # In the unit of chi or of a task: what counts as inside. Far above rounding, far below 1e-8.
 FEASIBILITY = 1e-11
 # The gain of objective per unit of bound below which nothing is felt; rounding makes 1e-15.
@@ -30,10 +30,11 @@ class LevelRows:
         upper: shape (m,).
         exact: whether every row is an equality objective, ``lower == upper``.
         equal: mask of the equality rows, shape (m,).
+        norm: Frobenius norm of A, positive.
         tolerance: below this a pivot of A, or of A reduced to a null space, counts as zero.
     """
 
-    __slots__ = ("equal", "exact", "lower", "matrix", "tolerance", "upper")
+    __slots__ = ("equal", "exact", "lower", "matrix", "norm", "tolerance", "upper")
 
     def __init__(self, tasks: tuple[LinearTask, ...], n: int) -> None:
         """Stack the tasks of a level; raises InputError if one does not fit chi of length n."""
@@ -58,7 +59,8 @@ class LevelRows:
         self.equal = self.lower == self.upper
         self.exact = bool(self.equal.all())
         flat = self.matrix.ravel()
-        self.tolerance = RANK_TOLERANCE * math.sqrt(flat.dot(flat))
+        self.norm = math.sqrt(flat.dot(flat)) or 1.0
+        self.tolerance = RANK_TOLERANCE * self.norm
 
     def residual(self, chi: Vector) -> Vector:
         """Return the signed distance of ``A chi`` to ``[lower, upper]``, shape (m,)."""

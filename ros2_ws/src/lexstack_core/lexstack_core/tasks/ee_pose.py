@@ -40,9 +40,7 @@ class EePose:
         self._parameters = parameters
 
     @classmethod
-    def from_config(
-        cls, team: Team, robot: int, parameters: dict[str, Any], where: str
-    ) -> EePose:
+    def from_config(cls, team: Team, robot: int, parameters: dict[str, Any], where: str) -> EePose:
         """Return the task that a stack file describes; raises ConfigurationError."""
         return cls(team, robot, build(EePoseParameters, parameters, where))
 

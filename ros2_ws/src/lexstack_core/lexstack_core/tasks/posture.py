@@ -48,9 +48,7 @@ class Posture:
         self._gain = parameters.gain
 
     @classmethod
-    def from_config(
-        cls, team: Team, robot: int, parameters: dict[str, Any], where: str
-    ) -> Posture:
+    def from_config(cls, team: Team, robot: int, parameters: dict[str, Any], where: str) -> Posture:
         """Return the task that a stack file describes; raises ConfigurationError."""
         return cls(team, robot, build(PostureParameters, parameters, where), where)
 

@@ -238,9 +238,7 @@ class Transition:
         before = self.target.levels[0].linearise(kinematics, self._used)
         steady = self._follow is None or self._follow.bridge.epsilon is None
         chi = self._source_chi(request, source, kinematics, references)
-        bridge = latch(
-            kinematics.state.command, chi, level, steady and same_level(level, before)
-        )
+        bridge = latch(kinematics.state.command, chi, level, steady and same_level(level, before))
         self._follow = _Follow(request, source, self._tick, bridge)
 
     def _source_chi(
@@ -296,9 +294,7 @@ class Transition:
             return follow.source
         lost = Source(self._config.on_loss)
         heard = "nothing" if self._heard is None else f"tick {self._heard.tick}"
-        self._reason = (
-            f"robot B lost at tick {self._tick}, last heard {heard}: {_instead(lost)}"
-        )
+        self._reason = f"robot B lost at tick {self._tick}, last heard {heard}: {_instead(lost)}"
         return lost
 
     def _adopt(self, follow: _Follow) -> None:

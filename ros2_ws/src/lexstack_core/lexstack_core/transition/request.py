@@ -109,7 +109,9 @@ class RequestBook:
         if stack not in self._stacks:
             return f"unknown stack {stack!r}; known: {', '.join(sorted(self._stacks))}"
         if not math.isfinite(duration) or not 0.0 <= duration <= MAX_DURATION:
-            return f"duration: must be in [0, {MAX_DURATION:g}] s (0: as configured), got {duration}"
+            return (
+                f"duration: must be in [0, {MAX_DURATION:g}] s (0: as configured), got {duration}"
+            )
         if method and method not in METHODS:
             return f"unknown method {method!r}; known: {', '.join(METHODS)}"
         if at_tick and at_tick <= now:

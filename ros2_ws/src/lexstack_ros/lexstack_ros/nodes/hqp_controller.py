@@ -5,16 +5,16 @@ from __future__ import annotations
 import sys
 import time
 
-from lexstack_core.build import Parts, build_controller
-from lexstack_core.errors import InputError
-from lexstack_core.state import RobotState
-from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
-from lexstack_interfaces.srv import SwitchStack
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from lexstack_core.build import Parts, build_controller
+from lexstack_core.errors import InputError
+from lexstack_core.state import RobotState
+from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
+from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.conversions import (
     WORLD,
     chi_of_command,
@@ -108,11 +108,12 @@ class HqpControllerNode(Node):
             return
         self._state = None
         command = self._controller.tick(state)
+        # Before the command, which lets the plant go on: the source shall know at the next state.
+        self._announce()
         self._chi_out.publish(chi_of_command(command, self._chi))
         self._status_out.publish(transition_status(command, self._status))
         self._served, self._stamp = state.tick, state.stamp
         self._solve_time = command.solve_time
-        self._announce()
         if command.fallback:
             self._fallbacks += 1
             self.get_logger().warning(command.fallback, throttle_duration_sec=1.0)

@@ -7,23 +7,22 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from lexstack_bag.errors import BagError
-from lexstack_bag.facts import run_facts
-from lexstack_bag.metadata import Topic
-from lexstack_bag.writer import BagWriter
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.errors import ConfigurationError
-from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.qos import ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 
+from lexstack_bag.errors import BagError
+from lexstack_bag.facts import run_facts
+from lexstack_bag.writer import BagWriter
+from lexstack_core.errors import ConfigurationError
+from lexstack_ros.diagnostics import Diagnostics, Health
+from lexstack_ros.parameters import scenario_parameter, text_parameter
+from lexstack_ros.readiness import READY
 from lexstack_ros.recording import Tap, contract_topics, describe, is_hidden, matching_qos
 from lexstack_ros.spin import run_node
 
 _DISCOVERY_PERIOD = 0.2  # s
-_REPORT_PERIOD = 1.0  # s
+_FLUSH_PERIOD = 1.0  # s
 
 
 class Recorder(Node):
@@ -32,23 +31,24 @@ class Recorder(Node):
     def __init__(self) -> None:
         """Create the bag and subscribe; raises LexstackError for a wrong parameter."""
         super().__init__("recorder")
-        output = Path(self._text("output", "folder of the bag; must not hold anything"))
-        resolved = _read_scenario(Path(self._text("scenario", "the resolved scenario's file")))
-        extra = self._text("topics", "more topics to wait for: NAME:TYPE, comma-separated", "")
+        output = Path(text_parameter(self, "output", "folder of the bag, must not hold anything"))
+        extra = text_parameter(self, "topics", "more topics to wait for: NAME:TYPE, ...", "")
+        resolved = scenario_parameter(self)
         self._writer = BagWriter(output, run_facts(resolved))
         self._taps: dict[str, Tap] = {}
         self._announced: set[str] = set()
         self._refused: set[str] = set()
         self._lost_before: Counter[str] = Counter()  # of subscriptions that were renewed
-        for name, type_name in {**contract_topics(resolved.scenario.robots), **_pairs(extra)}.items():
+        expected = contract_topics(resolved.scenario.robots) | _pairs(extra)
+        for name, type_name in expected.items():
             self._subscribe(name, type_name)
-        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._diagnostics = Diagnostics(self, self._health)
         wall = Clock(clock_type=ClockType.STEADY_TIME)  # goes on while simulated time stands
         self.create_timer(_DISCOVERY_PERIOD, self._discover, clock=wall)
-        self.create_timer(_REPORT_PERIOD, self._report, clock=wall)
+        self.create_timer(_FLUSH_PERIOD, self._writer.flush, clock=wall)
         self._discover()
         self.get_logger().info(f"ready: records {len(self._taps)} topics to {output}")
-        print("ready", flush=True)
+        print(READY, flush=True)
 
     def close(self) -> None:
         """Take what still waits in the middleware, complete the bag, and say what it holds."""
@@ -61,14 +61,6 @@ class Recorder(Node):
             f"recorded {self._writer.extent.total} messages of {len(self._announced)} topics, "
             f"{sum(lost.values())} lost{': ' if missing else ''}{missing}"
         )
-
-    def _text(self, name: str, description: str, default: str | None = None) -> str:
-        """Declare a text parameter and return it; without a default it must be given."""
-        descriptor = ParameterDescriptor(description=description, read_only=True)
-        value = str(self.declare_parameter(name, default or "", descriptor).value)
-        if not value and default is None:
-            raise ConfigurationError(f"recorder: parameter {name!r} ({description}) is missing")
-        return value
 
     def _discover(self) -> None:
         """Subscribe to topics that are new, and anew where the QoS did not fit."""
@@ -88,7 +80,7 @@ class Recorder(Node):
                 self._subscribe(name, types[0] if tap is None else tap.type_name, qos)
             self._announce(name)
 
-    def _subscribe(self, name: str, type_name: str, qos: Any = None) -> None:
+    def _subscribe(self, name: str, type_name: str, qos: QoSProfile | None = None) -> None:
         """Record a topic from now on; an unknown type is refused once, with a warning."""
         old = self._taps.pop(name, None)
         if old is not None:
@@ -107,8 +99,7 @@ class Recorder(Node):
         if tap is None or name in self._announced:
             return
         offers = self.get_publishers_info_by_topic(name)
-        topic: Topic = describe(name, tap.type_name, offers)
-        self._writer.add_topic(topic)
+        self._writer.add_topic(describe(name, tap.type_name, offers))
         self._announced.add(name)
 
     def _store(self, name: str, data: bytes, info: dict[str, Any]) -> None:
@@ -116,40 +107,23 @@ class Recorder(Node):
         if name not in self._announced:
             self._announce(name)
         number = info["publication_sequence_number"] or 0
-        self._writer.write(
-            name, data, info["received_timestamp"], info["source_timestamp"], number
-        )
+        self._writer.write(name, data, info["received_timestamp"], info["source_timestamp"], number)
 
     def _lost(self) -> dict[str, int]:
         """Return the number of lost messages by topic."""
         return {name: tap.lost + self._lost_before[name] for name, tap in self._taps.items()}
 
-    def _report(self) -> None:
-        """Put complete chunks on the disk and publish the state of the recording."""
-        self._writer.flush()
+    def _health(self) -> Health:
+        """Return how the recording goes."""
         lost = sum(self._lost().values())
-        status = DiagnosticStatus(
-            level=DiagnosticStatus.WARN if lost else DiagnosticStatus.OK,
-            name="recorder",
-            message=f"{lost} messages lost" if lost else "recording",
-            hardware_id="lexstack",
-            values=[
-                KeyValue(key="messages", value=str(self._writer.extent.total)),
-                KeyValue(key="topics", value=str(len(self._announced))),
-                KeyValue(key="lost", value=str(lost)),
-            ],
+        return Health(
+            f"{lost} messages lost" if lost else "",
+            {
+                "messages": str(self._writer.extent.total),
+                "topics": str(len(self._announced)),
+                "lost": str(lost),
+            },
         )
-        message = DiagnosticArray(status=[status])
-        message.header.stamp = self.get_clock().now().to_msg()
-        self._diagnostics.publish(message)
-
-
-def _read_scenario(path: Path) -> ResolvedScenario:
-    """Return the resolved scenario in a file; raises ConfigurationError."""
-    try:
-        return ResolvedScenario.from_yaml(path.read_text(encoding="utf-8"), str(path))
-    except OSError as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from error
 
 
 def _pairs(text: str) -> dict[str, str]:
@@ -157,7 +131,7 @@ def _pairs(text: str) -> dict[str, str]:
     pairs = [item.strip().split(":") for item in text.split(",") if item.strip()]
     if any(len(pair) != 2 for pair in pairs):
         raise ConfigurationError(f"recorder: topics: expected NAME:TYPE, ..., got {text!r}")
-    return {name: type_name for name, type_name in pairs}
+    return {pair[0]: pair[1] for pair in pairs}
 
 
 def main() -> int:

@@ -6,13 +6,13 @@ import sys
 from time import perf_counter
 
 import numpy as np
+from rclpy.node import Node
+
 from lexstack_core.build import Parts, build_references, build_stack_solver
 from lexstack_core.errors import InputError
 from lexstack_core.state import RobotState
 from lexstack_core.transition.status import Announcement, SourceSchedule
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest
-from rclpy.node import Node
-
 from lexstack_ros.conversions import WORLD, to_announcement, to_array, to_state, to_time
 from lexstack_ros.diagnostics import Diagnostics, Health
 from lexstack_ros.parameters import scenario_parameter
@@ -42,9 +42,7 @@ class StackSolverNode(Node):
         team = self._parts.team
         self._targets = TargetTopics(self, team, build_references(self._resolved, team))
         self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
-        self.create_subscription(
-            StackRequest, "/robot_a/stack_request", self._on_request, LATCHED
-        )
+        self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
         self._readiness = Readiness(self, {"/robot_b/chi": "hqp_controller"})
 

@@ -1,0 +1,101 @@
+"""The paper's figures and ours to reach for its task sequence, held against a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from lexstack_bag.metrics import Metrics, PerRobot, PhaseMetrics
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """One line of the table paper | ours."""
+
+    quantity: str
+    paper: str
+    limit: float
+    unit: str
+    ours: float | None  # None: the run does not show it
+
+    @property
+    def reached(self) -> bool | None:
+        """Whether the run is within the limit; None where it does not show the quantity."""
+        return None if self.ours is None else self.ours <= self.limit
+
+
+def goals_of(metrics: Metrics) -> tuple[Goal, ...]:
+    """Return the goals; (A) is the first phase whose stack has a base task."""
+    after_a = next((phase for phase in metrics.phases if phase.base_error_mm), None)
+    last = metrics.phases[-1]
+    switches = metrics.phases[1:]
+    unfinished = sum(phase.transition_s is None for phase in switches)
+    return (
+        Goal("End-effector error after (A)", "< 10 mm", 2.0, "mm", _worst_ee(after_a)),
+        Goal("Base error after (A)", "< 50 mm", 5.0, "mm", _worst_base(after_a)),
+        Goal("Final end-effector error", "< 2 mm", 1.0, "mm", _worst_ee(last)),
+        Goal(
+            "Peak acceleration of the command / limit",
+            "smooth by eye",
+            1.0001,
+            "",
+            metrics.peak_acceleration_ratio,
+        ),
+        Goal("Ticks with an empty box of bounds", "–", 0.0, "", float(metrics.empty_bounds)),
+        Goal(
+            f"Switches not adopted, of {len(switches)}",
+            "0 of 3",
+            0.0,
+            "",
+            float(unfinished) if switches else None,
+        ),
+    )
+
+
+def _worst_ee(phase: PhaseMetrics | None) -> float | None:
+    """Return the larger steady-state error of the end effectors [mm]."""
+    return None if phase is None else _worst(phase.ee_error_mm.values())
+
+
+def _worst_base(phase: PhaseMetrics | None) -> float | None:
+    """Return the larger steady-state error of the bases [mm]."""
+    errors: PerRobot = (phase.base_error_mm if phase is not None else None) or {}
+    return _worst(errors.values())
+
+
+def _worst(values: Iterable[float | None]) -> float | None:
+    """Return the largest of the known values, None without any."""
+    return max((value for value in values if value is not None), default=None)
+
+
+def summary_lines(metrics: Metrics) -> list[str]:
+    """Return the goals and phases as lines of plain text."""
+    lines = [f"{'':44}{'paper':>14}{'goal':>10}{'ours':>10}"]
+    for goal in goals_of(metrics):
+        ours = "–" if goal.ours is None else f"{goal.ours:.4g}"
+        word = {True: "reached", False: "NOT reached", None: "not shown by this run"}[goal.reached]
+        limit = f"≤ {goal.limit:g}"
+        name = f"{goal.quantity} [{goal.unit}]" if goal.unit else goal.quantity
+        lines.append(f"{name:44}{goal.paper:>14}{limit:>10}{ours:>10}  {word}")
+    lines.append("")
+    lines.append(
+        f"{'phase':16}{'start s':>9}{'settled s':>11}{'blend s':>9}"
+        f"{'EE mm':>16}{'base mm':>16}{'acc. ratio':>12}"
+    )
+    for phase in metrics.phases:
+        lines.append(
+            f"{phase.stack:16}{phase.start_s:>9.2f}{_text(phase.settled_s):>11}"
+            f"{_text(phase.transition_s):>9}{_pair(phase.ee_error_mm):>16}"
+            f"{_pair(phase.base_error_mm):>16}{_text(phase.peak_acceleration_ratio, 3):>12}"
+        )
+    return lines
+
+
+def _text(value: float | None, digits: int = 2) -> str:
+    """Return a number, or a dash."""
+    return "–" if value is None else f"{value:.{digits}f}"
+
+
+def _pair(values: PerRobot | None) -> str:
+    """Return the robots' values side by side, or a dash."""
+    return " / ".join(_text(value) for value in values.values()) if values else "–"

@@ -1,0 +1,226 @@
+"""Plotly layouts: stacked plots on one time axis, or a grid of them; marks at the switches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from lexstack_bag.phases import Phase
+from lexstack_bag.report.traces import GREY, Plain
+
+_GRID = "#E3E7EC"
+_INK = "#1D2733"
+_TOP = 64  # px above the plots: legend and names of the stacks
+_BOTTOM = 46  # px
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One plot of the report.
+
+    Attributes:
+        name: its HTML id.
+        title: heading.
+        caption: what to see in it; HTML.
+        traces: plotly traces.
+        layout: plotly layout.
+        linked: whether its time axis moves with those of the other figures.
+        choices: labels of what can be chosen; the traces come in as many equal groups, of which
+            one is shown. Empty: no choice.
+    """
+
+    name: str
+    title: str
+    caption: str
+    traces: list[Plain]
+    layout: Plain
+    linked: bool = True
+    choices: tuple[str, ...] = field(default=())
+
+
+def letters(phases: Sequence[Phase]) -> list[str]:
+    """Return the paper's names of the switches: (A) for the first, and so on."""
+    return [f"({chr(ord('A') + i % 26)})" for i in range(len(phases) - 1)]
+
+
+def stacked(
+    titles: Sequence[str],
+    height: int,
+    phases: Sequence[Phase],
+    span: tuple[float, float],
+) -> Plain:
+    """Return the layout of plots above each other that share one time axis.
+
+    Args:
+        titles: of the vertical axes, with units, from the top.
+        height: of one plot [px].
+        phases: their starts are marked by lines with the stacks' names.
+        span: of the time axis [s].
+    """
+    rows = len(titles)
+    layout = _base(rows * height + _TOP + _BOTTOM)
+    for row, title in enumerate(titles, start=1):
+        key = "" if row == 1 else str(row)
+        low, high = _band(row - 1, rows)
+        layout[f"xaxis{key}"] = _axis(
+            "simulated time [s]" if row == rows else "",
+            anchor=f"y{key}",
+            showticklabels=row == rows,
+            range=list(span),
+            **({} if row == 1 else {"matches": "x"}),
+        )
+        layout[f"yaxis{key}"] = _axis(title, domain=[low, high], anchor=f"x{key}")
+    layout |= marks(phases)
+    return layout
+
+
+def grid(
+    titles: Sequence[Sequence[str]],
+    heads: Sequence[str],
+    height: int,
+    span: tuple[float, float],
+    mark: Plain,
+) -> Plain:
+    """Return the layout of rows x columns of plots; plots are numbered row by row.
+
+    Args:
+        titles: of the vertical axes, by row and column.
+        heads: of the columns.
+        height: of one plot [px].
+        span: of the time axes [s].
+        mark: shapes and annotations, as ``marks`` returns them.
+    """
+    rows, columns = len(titles), len(heads)
+    layout = _base(rows * height + _TOP + _BOTTOM)
+    width = (1.0 - 0.09 * (columns - 1)) / columns
+    for i in range(rows * columns):
+        row, column = divmod(i, columns)
+        key = "" if i == 0 else str(i + 1)
+        left = column * (width + 0.09)
+        layout[f"xaxis{key}"] = _axis(
+            "simulated time [s]" if row == rows - 1 else "",
+            domain=[left, left + width],
+            anchor=f"y{key}",
+            showticklabels=row == rows - 1,
+            range=list(span),
+            **({} if i == 0 else {"matches": "x"}),
+        )
+        layout[f"yaxis{key}"] = _axis(
+            titles[row][column], domain=list(_band(row, rows)), anchor=f"x{key}"
+        )
+    layout["shapes"] = mark["shapes"]
+    layout["annotations"] = [
+        {
+            "text": f"<b>{head}</b>",
+            "xref": "paper",
+            "yref": "paper",
+            "x": i * (width + 0.09) + width / 2,
+            "y": 1.0,
+            "yanchor": "bottom",
+            "showarrow": False,
+            "font": {"size": 13, "color": _INK},
+        }
+        for i, head in enumerate(heads)
+    ]
+    return layout
+
+
+def marks(phases: Sequence[Phase], names: bool = True) -> Plain:
+    """Return vertical lines where stacks are triggered, with their names above the plots."""
+    shapes: list[Plain] = []
+    annotations: list[Plain] = []
+    labels = ["", *letters(phases)]
+    for label, phase in zip(labels, phases, strict=True):
+        if label:
+            shapes.append(vertical(phase.start, "x", "solid"))
+        if names:
+            annotations.append(
+                {
+                    "text": f"<b>{label}</b> {phase.stack}".strip(),
+                    "x": phase.start,
+                    "y": 1.0,
+                    "xref": "x",
+                    "yref": "paper",
+                    "xanchor": "left",
+                    "yanchor": "bottom",
+                    "showarrow": False,
+                    "font": {"size": 12, "color": GREY},
+                }
+            )
+    return {"shapes": shapes, "annotations": annotations}
+
+
+def vertical(time: float, axis: str, dash: str) -> Plain:
+    """Return a vertical line over all plots at a time [s] of an x axis."""
+    return {
+        "type": "line",
+        "xref": axis,
+        "yref": "paper",
+        "x0": time,
+        "x1": time,
+        "y0": 0,
+        "y1": 1,
+        "line": {"color": GREY, "width": 1, "dash": dash},
+        "layer": "below",
+    }
+
+
+def level(value: float, row: int, color: str) -> Plain:
+    """Return a horizontal dashed line at a value of one plot."""
+    key = "" if row == 1 else str(row)
+    return {
+        "type": "line",
+        "xref": f"x{key} domain",
+        "yref": f"y{key}",
+        "x0": 0,
+        "x1": 1,
+        "y0": value,
+        "y1": value,
+        "line": {"color": color, "width": 1.2, "dash": "dash"},
+    }
+
+
+def _band(row: int, rows: int) -> tuple[float, float]:
+    """Return the part of the height that a row from the top takes."""
+    gap = 0.05 if rows > 1 else 0.0
+    size = (1.0 - gap * (rows - 1)) / rows
+    low = 1.0 - row * (size + gap) - size
+    return max(0.0, low), min(1.0, low + size)
+
+
+def _base(height: int) -> Plain:
+    """Return what all layouts share."""
+    return {
+        "height": height,
+        "margin": {"l": 72, "r": 24, "t": _TOP, "b": _BOTTOM},
+        "font": {"family": "system-ui, -apple-system, Segoe UI, sans-serif", "size": 12,
+                 "color": _INK},
+        "paper_bgcolor": "white",
+        "plot_bgcolor": "white",
+        "hovermode": "x",
+        "legend": {
+            "orientation": "h",
+            "yref": "container",
+            "y": 1.0,
+            "yanchor": "top",
+            "x": 0,
+            "font": {"size": 12},
+        },
+    }
+
+
+def _axis(title: str, **more: Any) -> Plain:
+    """Return one axis."""
+    return {
+        "title": {"text": title, "standoff": 8},
+        "gridcolor": _GRID,
+        "linecolor": "#B8C1CB",
+        "ticks": "outside",
+        "ticklen": 4,
+        "tickcolor": "#B8C1CB",
+        "zeroline": False,
+        "showline": True,
+        "hoverformat": ".5g",
+        **more,
+    }

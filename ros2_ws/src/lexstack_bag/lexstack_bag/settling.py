@@ -1,0 +1,69 @@
+"""When a phase has settled: the time after which every error stays near its steady state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack_bag.measures import Measures
+from lexstack_bag.phases import BASE_TASKS, EE_TASKS, POSTURE_TASKS, tasks_of
+from lexstack_bag.run import Run
+from lexstack_core.linear import Vector
+from lexstack_core.model.robot import ARM
+
+# An error has settled once it stays below its steady state plus this.
+SETTLED_BAND = 1.0  # mm for end effectors and bases, mrad for postures
+
+
+def settled_after(
+    run: Run,
+    measures: Measures,
+    stack: str,
+    ticks: NDArray[np.bool_],
+    steady: NDArray[np.bool_],
+) -> float | None:
+    """Return the time from a phase's start until all its errors have settled [s].
+
+    The errors are those of the stack's tasks: end-effector and base positions [mm] and the
+    distance of the arm from its posture, as a norm over its joints [mrad].
+
+    Args:
+        run: the run.
+        measures: its time series.
+        stack: the phase's stack.
+        ticks: which ticks are in the phase, shape (T,).
+        steady: which of them make the steady state, shape (T,).
+
+    Returns:
+        None if an error never settles, or the stack has no such task.
+    """
+    times = []
+    for errors in _errors(run, measures, stack):
+        inside = errors[ticks]
+        if not inside.size or not steady.any():
+            return None
+        outside = np.flatnonzero(~(inside <= np.mean(errors[steady]) + SETTLED_BAND))
+        first = int(outside[-1]) + 1 if outside.size else 0
+        if first == inside.size:
+            return None
+        times.append(first * run.period)
+    return round(max(times), 9) if times else None
+
+
+def _errors(run: Run, measures: Measures, stack: str) -> Iterator[Vector]:
+    """Yield the errors of a stack's tasks at every tick, shape (T,) each."""
+    for name in tasks_of(run, stack, EE_TASKS):
+        yield measures.ee_error[:, run.robots.index(name)]
+    for name in tasks_of(run, stack, BASE_TASKS):
+        yield measures.base_error[:, run.robots.index(name)]
+    team = run.team()
+    for name, task in tasks_of(run, stack, POSTURE_TASKS).items():
+        robot = team.index(name)
+        limits = team.robots[robot].limits
+        middle = 0.5 * (limits.position_lower[ARM] + limits.position_upper[ARM])
+        target = task.parameters.get("target")
+        arm = run.plant.q[:, team.slices[robot]][:, ARM]
+        distance = arm - (middle if target is None else np.array(target))
+        yield 1e3 * np.linalg.norm(distance, axis=1)

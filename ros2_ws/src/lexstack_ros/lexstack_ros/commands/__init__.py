@@ -1,0 +1,1 @@
+"""The commands that need ROS; each is a module that scripts/ calls."""

@@ -1,0 +1,204 @@
+"""``scripts/demo``: a whole run through all processes, its bag, and its report."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import sys
+import time
+from dataclasses import replace
+from datetime import datetime
+from pathlib import Path
+from types import FrameType
+
+import rclpy
+from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from lexstack_bag.commands.analyze import analyze
+from lexstack_core.config.resolved import ResolvedScenario, load_scenario
+from lexstack_core.errors import ConfigurationError, LexstackError
+from lexstack_ros.bringup import bring_up
+from lexstack_ros.domain import own_domain
+from lexstack_ros.player import Player
+from lexstack_ros.supervisor import Supervisor
+
+_DEFAULT = "transition-sequence"
+_SLOWEST = 30.0  # wall seconds per simulated second after which a run counts as stuck
+_PERIOD = 0.5  # s between two progress lines
+
+
+class _InterruptError(Exception):
+    """SIGINT or SIGTERM came."""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command; returns 0, 1 where the run failed, 2 for bad arguments, 130 for Ctrl-C."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _interrupt)
+    root = Path(os.environ.get("LEXSTACK_ROOT", ".")).resolve()
+    try:
+        options = _parser(root).parse_args(arguments)
+        resolved = _resolve(root, options)
+        out = _run_folder(root, options.out, resolved.scenario.name)
+    except ConfigurationError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    try:
+        return _run(resolved, out)
+    except LexstackError as error:
+        print(f"\nerror: {error}\nlogs: {out / 'logs'}", file=sys.stderr)
+        return 1
+    except _InterruptError:
+        print(f"\ninterrupted; what was recorded is in {out / 'bag'}", file=sys.stderr)
+        return 130
+
+
+def _parser(root: Path) -> argparse.ArgumentParser:
+    """Return the command line."""
+    known = ", ".join(_scenarios(root))
+    parser = argparse.ArgumentParser(
+        prog="scripts/demo",
+        description="Run a scenario through all processes: simulation, robot A, robot B, recorder; "
+        "then analyse its bag.",
+    )
+    parser.add_argument(
+        "scenario",
+        nargs="?",
+        default=_DEFAULT,
+        help=f"one of: {known}; or a file (default: %(default)s)",
+    )
+    parser.add_argument("--out", type=Path, help="run folder (default: runs/SCENARIO-TIME)")
+    parser.add_argument(
+        "--mode",
+        choices=("lockstep", "realtime"),
+        help="lockstep: every tick waits for its command, reproducible; realtime: the wall's clock",
+    )
+    parser.add_argument("--seed", type=int, help="of everything random in the plant")
+    return parser
+
+
+def _scenarios(root: Path) -> list[str]:
+    """Return the names of the configured scenarios."""
+    return sorted(path.stem for path in (root / "config" / "scenarios").glob("*.yaml"))
+
+
+def _resolve(root: Path, options: argparse.Namespace) -> ResolvedScenario:
+    """Return the scenario with the command line's values put in; raises ConfigurationError."""
+    path = root / "config" / "scenarios" / f"{options.scenario}.yaml"
+    if not path.is_file():
+        path = Path(options.scenario)
+        if not path.is_file():
+            known = ", ".join(_scenarios(root))
+            raise ConfigurationError(f"unknown scenario {options.scenario!r}; known: {known}")
+    resolved = load_scenario(path, root / "config")
+    scenario = resolved.scenario
+    if options.seed is not None and not 0 <= options.seed < 2**31:
+        raise ConfigurationError(f"--seed: must be in [0, 2^31), got {options.seed}")
+    return replace(
+        resolved,
+        scenario=replace(
+            scenario,
+            mode=options.mode or scenario.mode,
+            seed=scenario.seed if options.seed is None else options.seed,
+        ),
+    )
+
+
+def _run_folder(root: Path, out: Path | None, scenario: str) -> Path:
+    """Create the run's folder; raises ConfigurationError where it holds something already."""
+    if out is None:
+        stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
+        out = root / "runs" / f"{scenario}-{stamp}"
+    out = out.resolve()
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        if any(out.iterdir()):
+            raise ConfigurationError(f"--out: {out} is not empty; name another folder")
+    except OSError as error:
+        raise ConfigurationError(f"--out: {out}: {error.strerror}") from error
+    return out
+
+
+def _run(resolved: ResolvedScenario, out: Path) -> int:
+    """Bring up, play, end, analyse; returns the exit code."""
+    scenario = resolved.scenario
+    path = out / "scenario.yaml"
+    path.write_text(resolved.to_yaml(), encoding="utf-8")
+    with own_domain() as domain:
+        print(
+            f"scenario {scenario.name}: {scenario.duration:g} s, {scenario.mode}, "
+            f"{scenario.rate:g} Hz, seed {scenario.seed}\n"
+            f"to listen from another terminal: export ROS_DOMAIN_ID={domain}"
+        )
+        environment = {"ROS_DOMAIN_ID": str(domain)}
+        os.environ.update(environment)
+        supervisor = Supervisor(out / "logs", environment)
+        try:
+            bring_up(supervisor, path, out / "bag", scenario.mode, scenario.seed)
+            _play(resolved, supervisor)
+        finally:
+            # From here on a second Ctrl-C changes nothing: all ends in order.
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, signal.SIG_IGN)
+            killed = supervisor.end()
+    if killed:
+        print(f"warning: had to be killed: {', '.join(killed)}", file=sys.stderr)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _interrupt)
+    analyze(out / "bag", out)
+    return 0
+
+
+def _play(resolved: ResolvedScenario, supervisor: Supervisor) -> None:
+    """Play the scenario with a line of progress."""
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    executor = EventsExecutor()
+    player = Player(resolved, executor)
+    progress = _Progress(resolved, player)
+
+    def watch() -> None:
+        supervisor.check()
+        progress.show()
+
+    try:
+        player.play(watch, 60.0 + _SLOWEST * resolved.scenario.duration)
+        progress.show(last=True)
+    finally:
+        executor.shutdown()
+        player.destroy_node()
+        rclpy.try_shutdown()
+
+
+class _Progress:
+    """Where the run stands: one line, rewritten on a terminal."""
+
+    def __init__(self, resolved: ResolvedScenario, player: Player) -> None:
+        """Watch a player."""
+        self._scenario = resolved.scenario
+        self._player = player
+        self._begun = self._shown = time.monotonic()
+
+    def show(self, *, last: bool = False) -> None:
+        """Print, if it is time to."""
+        now = time.monotonic()
+        if not last and now - self._shown < (_PERIOD if sys.stdout.isatty() else 10 * _PERIOD):
+            return
+        self._shown = now
+        tick, status = self._player.tick, self._player.transition
+        where = "" if status is None else f"{status.to_stack}, alpha {status.alpha:.2f}"
+        line = (
+            f"  {tick / self._scenario.rate:6.2f} of {self._scenario.duration:g} s  "
+            f"{tick / (now - self._begun):4.0f} ticks/s  {where:<40}"
+        )
+        print(line, end="\r" if sys.stdout.isatty() and not last else "\n", flush=True)
+
+
+def _interrupt(_number: int, _frame: FrameType | None) -> None:
+    """Turn a signal into an exception of the main thread."""
+    raise _InterruptError
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,44 @@
+"""A ROS_DOMAIN_ID for one run, so that two runs on one machine do not meet."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from lexstack_core.errors import LexstackError
+
+_IDS = range(1, 101)  # Linux has no trouble with the ports of these
+
+
+class NoDomainError(LexstackError):
+    """No ROS_DOMAIN_ID is free, or the given one is wrong."""
+
+
+@contextmanager
+def own_domain() -> Iterator[int]:
+    """Yield the environment's ROS_DOMAIN_ID, or one that no other run has while this one lasts."""
+    given = os.environ.get("ROS_DOMAIN_ID")
+    if given is not None:
+        if not given.isdecimal() or int(given) > 232:
+            raise NoDomainError(f"ROS_DOMAIN_ID: must be a number from 0 to 232, got {given!r}")
+        yield int(given)
+        return
+    folder = Path(tempfile.gettempdir())
+    for number in _IDS:
+        # The lock ends with the process, however it ends.
+        handle = os.open(folder / f"lexstack-domain-{number}.lock", os.O_CREAT | os.O_RDWR, 0o666)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            os.close(handle)
+            continue
+        try:
+            yield number
+        finally:
+            os.close(handle)
+        return
+    raise NoDomainError(f"no ROS_DOMAIN_ID from {_IDS[0]} to {_IDS[-1]} is free; set one yourself")

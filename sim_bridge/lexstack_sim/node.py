@@ -1,0 +1,162 @@
+"""The bridge: the plant as a ROS node. State out, command in, step; no mathematics here."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Callable
+from functools import partial
+from time import monotonic
+from typing import TypeVar
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from std_srvs.srv import SetBool, Trigger
+
+from lexstack_core.errors import InputError
+from lexstack_core.model import Team
+from lexstack_core.state import RobotState
+from lexstack_interfaces.msg import Chi
+from lexstack_ros.conversions import check_robots, to_vector
+from lexstack_ros.diagnostics import Diagnostics, Health
+from lexstack_ros.parameters import scenario_parameter
+from lexstack_ros.qos import STREAM
+from lexstack_ros.readiness import READY
+from lexstack_ros.spin import run_node
+from lexstack_sim.cycle import Cycle
+from lexstack_sim.memory import Status
+from lexstack_sim.options import BridgeOptions
+from lexstack_sim.pacing import Pacer
+from lexstack_sim.plant import Plant
+from lexstack_sim.topics import PlantTopics
+
+_COMMAND = "/robot_a/chi"
+_EARLY = 1e-4  # s, by which a timer may come too early
+Answer = TypeVar("Answer", SetBool.Response, Trigger.Response)
+
+
+class SimBridge(Node):
+    """Topics and services around a Cycle, which one timer wakes at its deadline."""
+
+    def __init__(self) -> None:
+        """Build the plant of the scenario; raises LexstackError for a wrong parameter."""
+        super().__init__("sim_bridge")
+        resolved = scenario_parameter(self)
+        scenario = resolved.scenario
+        self._options = BridgeOptions.declare(self, scenario)
+        self._team = Team.from_scenario(resolved)
+        self._plant = Plant(resolved, self._team, self._options.seed)
+        self._pacer = Pacer(self._options.mode, self._plant.period, scenario.timeouts.command_wall)
+        last = round(scenario.duration * scenario.rate)
+        self._cycle = Cycle(self._plant, self._pacer, last, self._publish, monotonic)
+        self._refused = 0
+        self._finished = False
+        self._topics = PlantTopics(self, self._team, scenario.rate)
+        self.create_subscription(Chi, _COMMAND, self._on_command, STREAM)
+        self.create_service(SetBool, "~/pause", self._on_pause)
+        self.create_service(Trigger, "~/step", self._on_step)
+        self.create_service(Trigger, "~/reset", self._on_reset)
+        Diagnostics(self, self._health)
+        wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timer = self.create_timer(1.0, self._on_timer, clock=wall)
+        self._wake = 0.0
+        if self._options.start_paused:
+            self._cycle.start()
+        else:
+            self._cycle.resume()
+        self._arm()
+        print(READY, flush=True)
+
+    # ---- the tick
+
+    def _publish(self, state: RobotState, status: Status) -> None:
+        """Send a state; tools get theirs while the others compute."""
+        missing = self._plant.counters.missing
+        self._topics.publish(state, status, self._pacer.late_ticks, missing)
+        self._topics.publish_for_tools(state, self._plant.effort)
+        if self._cycle.ended and not self._finished:
+            self.get_logger().info(f"finished: {state.tick} ticks")
+            if self._options.exit_at_end:
+                self.context.shutdown()
+        self._finished = self._cycle.ended
+
+    def _on_command(self, message: Chi) -> None:
+        """Take a command, or refuse it and say why."""
+        try:
+            check_robots(message.robots, self._team, _COMMAND)
+            if message.status == Chi.FAILED:
+                raise InputError(f"{_COMMAND}: its solver failed: {message.reason}")
+            self._cycle.take(message.tick, to_vector(message.chi, self._team.n, f"{_COMMAND}: chi"))
+        except InputError as error:
+            self._refused += 1
+            self.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
+        self._wake_up()
+
+    def _on_timer(self) -> None:
+        """Wake the cycle when its deadline is there; deadlines may have moved meanwhile."""
+        if monotonic() >= self._cycle.deadline - _EARLY:
+            self._cycle.expire()
+        self._arm()
+
+    def _wake_up(self) -> None:
+        """Set the timer anew, but only where it would come too late: that takes 24 us."""
+        if self._cycle.deadline < self._wake:
+            self._arm()
+
+    def _arm(self) -> None:
+        """Let the timer come at the deadline."""
+        self._wake = self._cycle.deadline
+        self._timer.timer_period_ns = max(1, round(1e9 * (self._wake - monotonic())))
+        self._timer.reset()
+
+    # ---- services
+
+    def _on_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        """Pause after the present tick, or go on."""
+        if request.data:
+            return self._answer(self._cycle.pause, response)
+        return self._answer(self._cycle.resume, response)
+
+    def _on_step(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Run one tick of a paused plant."""
+        return self._answer(partial(self._cycle.resume, 1), response)
+
+    def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Put the robots where the scenario starts; paused or running, as before."""
+        return self._answer(self._cycle.reset, response)
+
+    def _answer(self, action: Callable[[], None], response: Answer) -> Answer:
+        """Do what a service asks; say why where it cannot be done."""
+        try:
+            action()
+            response.success = True
+        except InputError as error:
+            response.message = str(error)
+        self._wake_up()
+        return response
+
+    # ---- the rest
+
+    def _health(self) -> Health:
+        """Return how the plant is."""
+        status, counters = self._plant.status, dataclasses.asdict(self._plant.counters)
+        return Health(
+            "" if status == Status.FOLLOWING else f"{status.name.lower()}: no command comes",
+            {
+                "tick": str(self._cycle.state.tick),
+                "late ticks": str(self._pacer.late_ticks),
+                "schedule restarts": str(self._pacer.restarts),
+                "refused commands": str(self._refused),
+                "contact force [N]": f"{self._plant.contact_force:.1f}",
+                **{f"{name.replace('_', ' ')} ticks": str(n) for name, n in counters.items()},
+            },
+        )
+
+
+def main() -> int:
+    """Run the bridge; returns the exit code."""
+    return run_node(SimBridge)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,69 @@
+"""The import contracts hold, and they fail where they should."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGES = ["lexstack_bag", "lexstack_core", "lexstack_experiments", "lexstack_ros", "lexstack_sim"]
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory):
+    """Return a copy of all packages, side by side, and of the contracts."""
+    folder = tmp_path_factory.mktemp("sources")
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    for package in PACKAGES:
+        source = ROOT / "ros2_ws/src" / package / package
+        shutil.copytree(source, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
+    return folder
+
+
+def lint_imports(folder):
+    """Run import-linter on the packages of a folder."""
+    return subprocess.run(
+        [Path(sys.executable).with_name("lint-imports"), "--no-cache"],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(folder)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_all_contracts_are_kept(sources):
+    done = lint_imports(sources)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("module", "statement", "contract"),
+    [
+        ("lexstack_core/state.py", "import mujoco", "The core knows no ROS"),
+        ("lexstack_core/state.py", "import rclpy", "The core knows no ROS"),
+        ("lexstack_core/state.py", "from std_msgs.msg import Header", "The core knows no ROS"),
+        ("lexstack_core/state.py", "import lexstack_interfaces", "The core knows no ROS"),
+        ("lexstack_core/state.py", "import lexstack_sim", "The core knows no ROS"),
+        ("lexstack_core/errors.py", "import lexstack_core.controller", "Inside the core"),
+        ("lexstack_sim/plant.py", "import rclpy", "Bag, plant and experiments"),
+        ("lexstack_sim/plant.py", "import lexstack_sim.node", "The plant does not know"),
+        ("lexstack_experiments/__init__.py", "import rclpy", "Bag, plant and experiments"),
+        ("lexstack_bag/__init__.py", "import rclpy", "Bag, plant and experiments"),
+        ("lexstack_bag/__init__.py", "import lexstack_ros", "Between the packages"),
+    ],
+)
+def test_a_forbidden_import_breaks_its_contract(sources, module, statement, contract):
+    file = sources / module
+    before = file.read_text()
+    file.write_text(f"{before}\n{statement}\n")
+    try:
+        done = lint_imports(sources)
+    finally:
+        file.write_text(before)
+    assert done.returncode == 1
+    broken = [line for line in done.stdout.splitlines() if line.endswith("BROKEN")]
+    assert any(line.startswith(contract) for line in broken), done.stdout
