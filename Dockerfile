@@ -1,12 +1,10 @@
 # docker build -t lexstack .
-# docker run --rm lexstack                    the demo
-# docker run --rm lexstack ./scripts/test     the tests
+# docker run --rm -v "$PWD/runs:/lexstack/runs" lexstack    the demo, its run folder kept
+# docker run --rm lexstack ./scripts/test                   the tests
 FROM debian:bookworm-slim
 
 WORKDIR /lexstack
-
-# The slow part first, from few files, so that a change of the code keeps it.
 COPY . .
-RUN ./scripts/setup && rm -rf /var/lib/apt/lists/* /root/.cache
+RUN PIP_NO_CACHE_DIR=1 ./scripts/setup && rm -rf /var/lib/apt/lists/*
 
 CMD ["./scripts/demo"]

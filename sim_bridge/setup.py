@@ -19,6 +19,7 @@ setup(
         (f"share/{PACKAGE}", ["package.xml"]),
     ],
     install_requires=[
+        "coal",
         "lexstack-core",
         "mujoco>=4.0",
         "numpy>=2",

@@ -42,8 +42,14 @@ def add_contacts(
     )
     geoms: dict[int, list[str]] = {joint: [chassis.name]}
     for shape in arm_shapes(robot, pin.GeometryType.COLLISION):
-        geom = shape.add_to(spec, bodies[shape.joint], f"{robot.name}/contact", **mask)
-        geoms.setdefault(shape.joint, []).append(geom.name)
+        name = f"{robot.name}/contact/{shape.name}"
+        body = bodies[shape.joint]
+        if shape.is_box:
+            shape.add_box(body, name=name, **mask)
+        else:
+            asset = f"contact/{robot.config.name}/{shape.name}"
+            shape.add_mesh(spec, body, asset, shape.mesh(), name=name, **mask)
+        geoms.setdefault(shape.joint, []).append(name)
     return geoms
 
 

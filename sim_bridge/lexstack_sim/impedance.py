@@ -8,6 +8,7 @@ import pinocchio as pin
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
 from lexstack_core.model.description import BASE_JOINTS
+from lexstack_core.model.robot import ARM
 
 
 class ImpedanceLoop:
@@ -32,6 +33,7 @@ class ImpedanceLoop:
         self._negative_limit = -self._limit
         self._change = per_joint(team, np.inf, "torque_rate") * period
         self._gravity = _Gravity(team)
+        self._wanted: Vector = np.zeros(team.n)
         self._scratch: Vector = np.zeros(team.n)
         self._lower: Vector = np.zeros(team.n)
         self._upper: Vector = np.zeros(team.n)
@@ -49,7 +51,8 @@ class ImpedanceLoop:
             q_star: desired positions.
             v_star: desired velocities.
         """
-        wanted, scratch, control = self._gravity(q), self._scratch, self.control
+        wanted, scratch, control = self._wanted, self._scratch, self.control
+        np.copyto(wanted, self._gravity(q))
         np.subtract(q_star, q, out=scratch)
         scratch *= self._stiffness
         wanted += scratch
@@ -71,21 +74,26 @@ class _Gravity:
     def __init__(self, team: Team) -> None:
         """Make the workspaces."""
         self._robots = [
-            (robot.pinocchio, robot.pinocchio.createData(), part)
+            (
+                robot.pinocchio,
+                robot.pinocchio.createData(),
+                part,
+                slice(part.start + ARM.start, part.stop),
+            )
             for robot, part in zip(team.robots, team.slices, strict=True)
         ]
         self._torque: Vector = np.zeros(team.n)
 
     def __call__(self, q: Vector) -> Vector:
-        """Return g(q), shape (n,), N m (zero on planar bases); the array is used again."""
+        """Return g(q), shape (n,), N m and 0 on planar bases; the array is used again."""
         torque = self._torque
-        for model, data, part in self._robots:
-            torque[part] = pin.computeGeneralizedGravity(model, data, q[part])
+        for model, data, part, arm in self._robots:
+            torque[arm] = pin.computeGeneralizedGravity(model, data, q[part])[ARM]
         return torque
 
 
 def per_joint(team: Team, base: str | float, arm: str) -> Vector:
-    """Return one value per joint, shape (n,): fields of BaseConfig (or one number) and ArmConfig."""
+    """Return one value per joint, shape (n,): fields of BaseConfig (or a number) and ArmConfig."""
     parts = []
     for robot in team.robots:
         config = robot.config

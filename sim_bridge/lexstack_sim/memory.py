@@ -44,7 +44,8 @@ class Memory:
     tick: int = 0
     silence: int = 0  # ticks since the last command
     status: Status = Status.FOLLOWING
-    contact_force: float = 0.0
+    contacts: int = 0  # points at which different robots touch
+    contact_force: float = 0.0  # N, sum of their normal forces
 
 
 @dataclass(frozen=True, slots=True)

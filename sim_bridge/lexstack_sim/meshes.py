@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
 
 import coal
 import mujoco
@@ -10,9 +12,22 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from lexstack_core.linear import Matrix
+from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import RobotModel
 from lexstack_core.model.description import description_path
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """Triangles.
+
+    Attributes:
+        vertices: shape (m, 3), m.
+        faces: indices of vertices, shape (k, 3).
+    """
+
+    vertices: Matrix
+    faces: NDArray[np.int32]
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,43 +36,74 @@ class Shape:
 
     Attributes:
         name: unique within the robot, e.g. ``panda_link3_0``.
-        link: the URDF link that it belongs to.
         joint: number of the pinocchio joint that moves it.
         placement: in that joint's frame.
-        size: half sizes of a box, shape (3,), m; empty for a mesh.
-        vertices: shape (m, 3), m; empty for a box.
-        faces: indices of vertices, shape (k, 3).
+        path: the mesh's file.
+        geometry: the box or the mesh itself.
     """
 
     name: str
-    link: str
     joint: int
     placement: pin.SE3
-    size: Matrix
-    vertices: Matrix
-    faces: NDArray[np.int32]
+    path: Path
+    geometry: coal.CollisionGeometry
 
-    def add_to(
-        self, spec: mujoco.MjSpec, body: mujoco.MjsBody, prefix: str, **attributes: object
-    ) -> mujoco.MjsGeom:
-        """Add the shape to its body as a geom named ``prefix/name``; meshes are shared."""
+    def add_box(self, body: mujoco.MjsBody, **attributes: object) -> None:
+        """Add a box to a body."""
+        size = self.geometry.halfSide
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=size, **self._place(), **attributes)
+
+    def add_mesh(
+        self,
+        spec: mujoco.MjSpec,
+        body: mujoco.MjsBody,
+        asset: str,
+        mesh: Mesh,
+        **attributes: object,
+    ) -> None:
+        """Add a mesh to a body; robots of one kind share the ``asset`` of that name."""
+        if spec.mesh(asset) is None:
+            # Inertias are pinocchio's; a shell's is defined for an open surface too.
+            spec.add_mesh(
+                name=asset,
+                uservert=mesh.vertices.ravel(),
+                userface=mesh.faces.ravel(),
+                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+            )
+        kind = mujoco.mjtGeom.mjGEOM_MESH
+        body.add_geom(type=kind, meshname=asset, **self._place(), **attributes)
+
+    @property
+    def is_box(self) -> bool:
+        """Whether it is a box."""
+        return isinstance(self.geometry, coal.Box)
+
+    def mesh(self) -> Mesh:
+        """Return the triangles of the mesh as pinocchio has read it."""
+        triangles = (self.geometry.tri_indices(i) for i in range(self.geometry.num_tris))
+        faces = np.array([[t[0], t[1], t[2]] for t in triangles], dtype=np.int32)
+        return Mesh(self.geometry.vertices(), faces)
+
+    def _place(self) -> dict[str, Vector]:
+        """Return the placement as MuJoCo has it."""
         rotation = np.empty(4)
         mujoco.mju_mat2Quat(rotation, self.placement.rotation.ravel())
-        place = {"pos": self.placement.translation, "quat": rotation, **attributes}
-        name = f"{prefix}/{self.name}"
-        if self.size.size:
-            return body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_BOX, size=self.size, **place)
-        spec.add_mesh(name=name, uservert=self.vertices.ravel(), userface=self.faces.ravel())
-        return body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, **place)
+        return {"pos": self.placement.translation, "quat": rotation}
 
 
 def arm_shapes(robot: RobotModel, kind: pin.GeometryType) -> list[Shape]:
     """Return the collision or visual shapes of a robot's arm, hand and fingers."""
-    path = description_path(robot.config.arm.description)
+    urdf, geometry = _read(description_path(robot.config.arm.description), kind)
+    return [_shape(robot.pinocchio, urdf, item) for item in geometry.geometryObjects]
+
+
+@lru_cache(maxsize=8)
+def _read(path: Path, kind: pin.GeometryType) -> tuple[pin.Model, pin.GeometryModel]:
+    """Return the model and the shapes in a URDF; several robots share them."""
     urdf = pin.buildModelFromUrdf(str(path))
     # Meshes are named package://example-robot-data/robots/...: the folder above that package.
-    geometry = pin.buildGeomFromUrdf(urdf, str(path), kind, package_dirs=[str(path.parents[4])])
-    return [_shape(robot.pinocchio, urdf, item) for item in geometry.geometryObjects]
+    folder = str(path.parents[4])
+    return urdf, pin.buildGeomFromUrdf(urdf, str(path), kind, package_dirs=[folder])
 
 
 def _shape(model: pin.Model, urdf: pin.Model, item: pin.GeometryObject) -> Shape:
@@ -65,12 +111,4 @@ def _shape(model: pin.Model, urdf: pin.Model, item: pin.GeometryObject) -> Shape
     source = urdf.frames[item.parentFrame]
     target = model.frames[model.getFrameId(source.name)]
     placement = target.placement * source.placement.actInv(item.placement)
-    geometry = item.geometry
-    size, vertices, faces = np.empty(0), np.empty((0, 3)), np.empty((0, 3), np.int32)
-    if isinstance(geometry, coal.Box):
-        size = geometry.halfSide.copy()
-    else:
-        vertices = geometry.vertices() * item.meshScale
-        triangles = (geometry.tri_indices(i) for i in range(geometry.num_tris))
-        faces = np.array([[t[0], t[1], t[2]] for t in triangles], dtype=np.int32)
-    return Shape(item.name, source.name, target.parentJoint, placement, size, vertices, faces)
+    return Shape(item.name, target.parentJoint, placement, Path(item.meshPath), item.geometry)

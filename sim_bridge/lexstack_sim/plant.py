@@ -13,7 +13,7 @@ from lexstack_core.linear import Vector
 from lexstack_core.model import Team
 from lexstack_core.state import RobotState
 from lexstack_sim.contacts import between_robots
-from lexstack_sim.impedance import ImpedanceLoop
+from lexstack_sim.impedance import ImpedanceLoop, per_joint
 from lexstack_sim.memory import Counters, Memory, PlantError, Snapshot, Status
 from lexstack_sim.world import PHYSICS_PERIOD, build_world
 from lexstack_sim.wrench import Wrench, apply_wrenches, wrench_on
@@ -55,10 +55,7 @@ class Plant:
             )
         self._watchdog = round(scenario.timeouts.watchdog / self.period)  # ticks
         self._home = team.home(resolved)
-        arms = [
-            (*r.config.base.q_star_distance, *r.config.arm.q_star_distance) for r in team.robots
-        ]
-        self._distance = np.concatenate(arms)
+        self._distance = per_joint(team, "q_star_distance", "q_star_distance")
         self._step_limit = team.limits.acceleration * self.period
         self.world = build_world(team)
         self._data = mujoco.MjData(self.world)
@@ -86,6 +83,11 @@ class Plant:
     def effort(self) -> Vector:
         """Forces of the actuators in the last physics step, shape (n,), N and N m."""
         return _frozen(self._memory.effort)
+
+    @property
+    def contacts(self) -> int:
+        """Points at which different robots touched in the last physics step."""
+        return self._memory.contacts
 
     @property
     def contact_force(self) -> float:
@@ -204,8 +206,8 @@ class Plant:
         self._bound_q_star()
         memory.tick += 1
         memory.effort[:] = data.actuator_force
-        touching, memory.contact_force = between_robots(self.world, data)
-        self.counters.contact += touching > 0
+        memory.contacts, memory.contact_force = between_robots(self.world, data)
+        self.counters.contact += memory.contacts > 0
 
     def _bound_q_star(self) -> None:
         """Pull q* back where it has run away from q, e.g. against an obstacle."""

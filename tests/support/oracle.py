@@ -42,9 +42,7 @@ def lexicographic_oracle(problem: HqpProblem) -> list[OracleLevel]:
     return results
 
 
-def _lifted(
-    problem: HqpProblem, n: int
-) -> tuple[list[tuple[Matrix, Vector]], Vector, Vector]:
+def _lifted(problem: HqpProblem, n: int) -> tuple[list[tuple[Matrix, Vector]], Vector, Vector]:
     """Return each level as ``A x -> b`` with one variable more per inequality row."""
     tasks = [(k, task) for k, level in enumerate(problem.levels) for task in level]
     extra = sum(int((task.lower != task.upper).sum()) for _, task in tasks)

@@ -13,7 +13,7 @@ setup(
     maintainer_email="lexstack@users.noreply.github.com",
     python_requires=">=3.11",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed"]},
+    package_data={PACKAGE: ["py.typed", "report/*.css", "report/*.js"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
@@ -21,12 +21,12 @@ setup(
     install_requires=[
         "lexstack-core",
         "mcap>=1.2",
-        "mcap-ros2-support>=0.5",
         "numpy>=2",
         "pillow",
         "plotly>=6",
         "PyYAML>=6",
         "rosbags>=0.11",
+        "zstandard",
     ],
     zip_safe=False,
 )

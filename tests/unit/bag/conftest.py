@@ -61,12 +61,18 @@ class Messages:
     def __init__(self) -> None:
         self._stores: dict[str, Any] = {}
 
-    def cdr(self, type_name: str, **fields: Any) -> bytes:
+    def store(self, type_name: str) -> Any:
         if type_name not in self._stores:
             store = get_typestore(Stores.EMPTY)
             store.register(get_types_from_msg(message_definition(type_name), type_name))
             self._stores[type_name] = store
-        store = self._stores[type_name]
+        return self._stores[type_name]
+
+    def type_hash(self, type_name: str) -> str:
+        return str(self.store(type_name).hash_rihs01(type_name))
+
+    def cdr(self, type_name: str, **fields: Any) -> bytes:
+        store = self.store(type_name)
         if "stamp" in fields:
             seconds, nanoseconds = divmod(round(fields.pop("stamp") * 1e9), 10**9)
             time = store.types["builtin_interfaces/msg/Time"](seconds, nanoseconds)
@@ -102,7 +108,9 @@ class Maker:
         self.log_time = EPOCH
 
     def put(self, topic: str, type_name: str, **fields: Any) -> None:
-        self.writer.add_topic(Topic(topic, type_name, (Qos(),), "RIHS01_" + "0" * 64))
+        if topic not in self.counts:
+            type_hash = self.messages.type_hash(type_name)
+            self.writer.add_topic(Topic(topic, type_name, (Qos(),), type_hash))
         self.counts[topic] = self.counts.get(topic, 0) + 1
         self.log_time += 100_000
         data = self.messages.cdr(type_name, **fields)
@@ -122,9 +130,10 @@ class Maker:
     def targets(self) -> None:
         """Three references, told at the start, that hold from a later time on."""
         tool_a, tool_b = (pose.position for pose in self.team.tools(self.home))
-        self.target("robot_a", "ee", 0.5, tool_a + [0.003, 0.0, 0.004])
-        self.target("robot_b", "base", 1.0, self.home[10:13] + [0.03, 0.04, 0.0], yaw=0.01)
-        self.target("robot_b", "ee", 2.0, tool_b + [0.0288, 0.0384, 0.001])
+        base_b = self.home[10:13]
+        self.target("robot_a", "ee", 0.5, np.add(tool_a, (0.003, 0.0, 0.004)))
+        self.target("robot_b", "base", 1.0, np.add(base_b, (0.03, 0.04, 0.0)), yaw=0.01)
+        self.target("robot_b", "ee", 2.0, np.add(tool_b, (0.0288, 0.0384, 0.001)))
 
     def q(self, tick: int) -> np.ndarray:
         """Robot B's base moves by 48 mm of the 50 mm at tick 200."""
@@ -197,7 +206,9 @@ class Maker:
             self.solution("robot_b", tick, solve_time=500e-6, **failed)
 
     def transition(self, tick: int) -> None:
-        phase = int(np.searchsorted([90, TRIGGER, TRIGGER + 1, ADOPTED, ADOPTED + 1], tick, "right"))
+        phase = int(
+            np.searchsorted([90, TRIGGER, TRIGGER + 1, ADOPTED, ADOPTED + 1], tick, "right")
+        )
         phase = (0, 1, 2, 3, 4, 0)[phase]
         self.put(
             "/robot_a/transition",

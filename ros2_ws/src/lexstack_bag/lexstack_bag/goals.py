@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from lexstack_bag.metrics import Metrics, PerRobot, PhaseMetrics
 
+_ROUNDING = 1e-4  # of a ratio that meets its limit exactly
+
 
 @dataclass(frozen=True, slots=True)
 class Goal:
@@ -16,12 +18,26 @@ class Goal:
     paper: str
     limit: float
     unit: str
-    ours: float | None  # None: the run does not show it
+    value: float | None  # None: the run does not show it
 
     @property
     def reached(self) -> bool | None:
         """Whether the run is within the limit; None where it does not show the quantity."""
-        return None if self.ours is None else self.ours <= self.limit
+        return None if self.value is None else self.value <= self.limit + _ROUNDING
+
+    @property
+    def goal(self) -> str:
+        """The limit in words."""
+        return f"≤ {self.limit:g} {self.unit}".strip() if self.limit else "0"
+
+    @property
+    def ours(self) -> str:
+        """The value in words."""
+        if self.value is None:
+            return "–"
+        if 0.0 < self.value < 1e-3:
+            return f"< 0.001 {self.unit}".strip()
+        return f"{self.value:.4g} {self.unit}".strip()
 
 
 def goals_of(metrics: Metrics) -> tuple[Goal, ...]:
@@ -37,7 +53,7 @@ def goals_of(metrics: Metrics) -> tuple[Goal, ...]:
         Goal(
             "Peak acceleration of the command / limit",
             "smooth by eye",
-            1.0001,
+            1.0,
             "",
             metrics.peak_acceleration_ratio,
         ),
@@ -70,24 +86,21 @@ def _worst(values: Iterable[float | None]) -> float | None:
 
 def summary_lines(metrics: Metrics) -> list[str]:
     """Return the goals and phases as lines of plain text."""
-    lines = [f"{'':44}{'paper':>14}{'goal':>10}{'ours':>10}"]
+    lines = [f"{'':42}{'paper':>15}{'goal':>10}{'ours':>12}"]
     for goal in goals_of(metrics):
-        ours = "–" if goal.ours is None else f"{goal.ours:.4g}"
-        word = {True: "reached", False: "NOT reached", None: "not shown by this run"}[goal.reached]
-        limit = f"≤ {goal.limit:g}"
-        name = f"{goal.quantity} [{goal.unit}]" if goal.unit else goal.quantity
-        lines.append(f"{name:44}{goal.paper:>14}{limit:>10}{ours:>10}  {word}")
+        word = {True: "reached", False: "NOT reached", None: "not in this run"}[goal.reached]
+        lines.append(f"{goal.quantity:42}{goal.paper:>15}{goal.goal:>10}{goal.ours:>12}  {word}")
     lines.append("")
     lines.append(
         f"{'phase':16}{'start s':>9}{'settled s':>11}{'blend s':>9}"
         f"{'EE mm':>16}{'base mm':>16}{'acc. ratio':>12}"
     )
-    for phase in metrics.phases:
-        lines.append(
-            f"{phase.stack:16}{phase.start_s:>9.2f}{_text(phase.settled_s):>11}"
-            f"{_text(phase.transition_s):>9}{_pair(phase.ee_error_mm):>16}"
-            f"{_pair(phase.base_error_mm):>16}{_text(phase.peak_acceleration_ratio, 3):>12}"
-        )
+    lines += [
+        f"{phase.stack:16}{phase.start_s:>9.2f}{_text(phase.settled_s):>11}"
+        f"{_text(phase.transition_s):>9}{_pair(phase.ee_error_mm):>16}"
+        f"{_pair(phase.base_error_mm):>16}{_text(phase.peak_acceleration_ratio, 3):>12}"
+        for phase in metrics.phases
+    ]
     return lines
 
 

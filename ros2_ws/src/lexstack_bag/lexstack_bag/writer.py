@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 
@@ -46,13 +47,11 @@ class BagWriter:
         self._topics: dict[str, Topic] = {}
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
-        try:
+        with _writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
             if any(folder.iterdir()):
                 raise BagError(f"{folder}: is not empty; a bag is never overwritten")
             self._file = self.path.open("xb")
-        except OSError as error:
-            raise BagError(f"{folder}: cannot be written: {error.strerror}") from error
         self._writer = Writer(self._file, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library="lexstack_bag")
         self._writer.add_metadata(SCENARIO_RECORD, dict(facts))
@@ -116,21 +115,23 @@ class BagWriter:
         """
         # The container's field has 32 bits.
         channel, number = self._channels[topic], sequence & 0xFFFFFFFF
-        try:
+        with _writing(self.path):
             self._writer.add_message(channel, received, data, published, number)
-        except OSError as error:
-            raise BagError(f"{self.path}: cannot be written: {error.strerror}") from error
         self.extent.add(topic, received)
 
     def flush(self) -> None:
-        """Hand every complete chunk to the operating system."""
-        self._file.flush()
+        """Hand every complete chunk to the operating system; raises BagError."""
+        with _writing(self.path):
+            self._file.flush()
 
     def close(self, lost: Mapping[str, int] | None = None) -> None:
         """Complete the bag: losses, index, summary and ``metadata.yaml``.
 
         Args:
             lost: messages that never arrived, by topic; None: not counted.
+
+        Raises:
+            BagError: the disk is full, or the like.
         """
         if self.closed:
             return
@@ -144,10 +145,21 @@ class BagWriter:
         information = bag_information(
             self.path.name, list(self._topics.values()), self.extent, custom, self._distro
         )
-        self._writer.add_metadata("rosbag2", {"serialized_metadata": to_yaml(information)})
-        self._writer.finish()
-        self._file.close()
-        # Renamed into place: whoever sees metadata.yaml sees all of it, and a finished .mcap.
-        draft = self.folder / ".metadata.yaml"
-        draft.write_text(to_yaml({"rosbag2_bagfile_information": information}), encoding="utf-8")
-        draft.replace(self.folder / "metadata.yaml")
+        with _writing(self.folder):
+            self._writer.add_metadata("rosbag2", {"serialized_metadata": to_yaml(information)})
+            self._writer.finish()
+            self._file.close()
+            # Renamed into place: whoever sees metadata.yaml sees all of it, and a whole .mcap.
+            draft = self.folder / ".metadata.yaml"
+            text = to_yaml({"rosbag2_bagfile_information": information})
+            draft.write_text(text, encoding="utf-8")
+            draft.replace(self.folder / "metadata.yaml")
+
+
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    """Turn what the disk refuses into a BagError."""
+    try:
+        yield
+    except OSError as error:
+        raise BagError(f"{path}: cannot be written: {error.strerror}") from error

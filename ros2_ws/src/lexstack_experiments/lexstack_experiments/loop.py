@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
@@ -11,11 +12,24 @@ from lexstack_core.build import Parts, build_controller, build_references, build
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.config.scenario import EventConfig
 from lexstack_core.controller import Command
+from lexstack_core.linear import Vector
 from lexstack_core.model import Team
-from lexstack_core.references import ReferenceSchedule, Target, pose_from_config
+from lexstack_core.references import Target, pose_from_config
 from lexstack_core.state import RobotState
 from lexstack_core.transition.status import SourceSample, SourceSchedule
 from lexstack_sim.plant import Plant
+
+
+class AnyPlant(Protocol):
+    """What the loop needs of a plant."""
+
+    def state(self) -> RobotState:
+        """Return the present state."""
+        ...
+
+    def step(self, chi: Vector | None) -> RobotState:
+        """Advance by one tick under a command and return the new state."""
+        ...
 
 
 @dataclass
@@ -30,11 +44,13 @@ class Record:
 class Loop:
     """Robot A, robot B and the plant, as the processes run them, in lockstep."""
 
-    def __init__(self, resolved: ResolvedScenario) -> None:
-        """Build all parts and schedule the scenario's events."""
+    def __init__(self, resolved: ResolvedScenario, plant: AnyPlant | None = None) -> None:
+        """Build all parts and schedule the scenario's events; default plant: MuJoCo's."""
         self.resolved = resolved
         self.parts = Parts.of(resolved)
-        self.plant = Plant(resolved, self.parts.team, resolved.scenario.seed)
+        self.plant: AnyPlant = plant or Plant(
+            resolved, self.parts.team, resolved.scenario.seed
+        )
         self.controller = build_controller(resolved, self.parts)
         self.references_b = build_references(resolved, self.parts.team)
         self.solver_b = build_stack_solver(resolved, self.parts)
@@ -94,5 +110,3 @@ def targets_of(event: EventConfig, team: Team) -> list[Target]:
     ]
     return poses + bases
 
-
-__all__ = ["Loop", "Record", "ReferenceSchedule", "targets_of"]

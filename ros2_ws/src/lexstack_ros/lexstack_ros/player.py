@@ -25,8 +25,9 @@ from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.conversions import pose_message
 from lexstack_ros.qos import STREAM
+from lexstack_ros.readiness import is_heard
 
-_LISTENERS = 2  # robot A and robot B take targets
+_LISTENERS = ("hqp_controller", "stack_solver")  # who takes targets
 _LEAD = 1.0  # s, how long before its time an event is sent in realtime
 _ANSWER = 10.0  # s of wall time to wait for a service
 
@@ -167,7 +168,7 @@ class Player(Node):
         """Return whether all listeners and servers are there."""
         return (
             self.state is not None
-            and all(p.get_subscription_count() >= _LISTENERS for p in self._targets.values())
+            and all(is_heard(self, publisher, _LISTENERS) for publisher in self._targets.values())
             and self._switch.service_is_ready()
             and self._pause.service_is_ready()
         )

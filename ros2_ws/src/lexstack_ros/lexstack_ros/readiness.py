@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 
 READY = "ready"
 _PERIOD = 0.1  # s of wall time between two looks
 
 
+def is_heard(node: Node, publisher: Publisher, listeners: Collection[str]) -> bool:
+    """Return whether every one of the nodes named ``listeners`` gets what is published.
+
+    The graph tells who subscribes, the publisher how many of them it is connected with.
+    """
+    known = node.get_subscriptions_info_by_topic(publisher.topic_name)
+    names = {end.node_name for end in known}
+    return names.issuperset(listeners) and publisher.get_subscription_count() >= len(known)
+
+
 class Readiness:
     """Prints ``ready`` on standard output, once, for whoever started the process."""
 
-    def __init__(self, node: Node, listeners: Mapping[str, str]) -> None:
-        """Wait for the plant, and for each topic's listener, given as topic -> node name."""
+    def __init__(self, node: Node, listeners: Mapping[Publisher, str]) -> None:
+        """Wait for the plant, and until the node named hears what each publisher says."""
         self._node = node
         self._listeners = listeners
         self.heard_plant = False
@@ -24,11 +35,8 @@ class Readiness:
 
     def _look(self) -> None:
         """Say so when all is there."""
-        if self.heard_plant and all(map(self._is_heard, self._listeners)):
+        if self.heard_plant and all(
+            is_heard(self._node, publisher, (name,)) for publisher, name in self._listeners.items()
+        ):
             self._timer.cancel()
             print(READY, flush=True)
-
-    def _is_heard(self, topic: str) -> bool:
-        """Return whether the topic's listener has subscribed."""
-        ends = self._node.get_subscriptions_info_by_topic(topic)
-        return any(end.node_name == self._listeners[topic] for end in ends)

@@ -40,7 +40,6 @@ def contract_topics(robots: Iterable[str]) -> dict[str, str]:
         "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
         "/plant/state": f"{interfaces}/PlantState",
         "/robot_a/transition": f"{interfaces}/TransitionStatus",
-        "/robot_a/stack_request": f"{interfaces}/StackRequest",
         "/robot_a/request_stack": "std_msgs/msg/String",
     }
     for name in robots:
@@ -82,6 +81,18 @@ def matching_qos(offers: list[TopicEndpointInfo]) -> QoSProfile:
         depth=_DEPTH,
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=(DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE),
+    )
+
+
+def hears(qos: QoSProfile, offers: list[TopicEndpointInfo]) -> bool:
+    """Return whether a subscription with this profile hears all of these publishers."""
+    profiles = [offer.qos_profile for offer in offers]
+    return not (
+        qos.reliability == ReliabilityPolicy.RELIABLE
+        and any(p.reliability == ReliabilityPolicy.BEST_EFFORT for p in profiles)
+    ) and not (
+        qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        and any(p.durability == DurabilityPolicy.VOLATILE for p in profiles)
     )
 
 

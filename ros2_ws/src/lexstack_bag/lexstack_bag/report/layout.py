@@ -3,45 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 from lexstack_bag.phases import Phase
+from lexstack_bag.report.figure import letters
 from lexstack_bag.report.traces import GREY, Plain
 
 _GRID = "#E3E7EC"
 _INK = "#1D2733"
 _TOP = 64  # px above the plots: legend and names of the stacks
 _BOTTOM = 46  # px
-
-
-@dataclass(frozen=True, slots=True)
-class Figure:
-    """One plot of the report.
-
-    Attributes:
-        name: its HTML id.
-        title: heading.
-        caption: what to see in it; HTML.
-        traces: plotly traces.
-        layout: plotly layout.
-        linked: whether its time axis moves with those of the other figures.
-        choices: labels of what can be chosen; the traces come in as many equal groups, of which
-            one is shown. Empty: no choice.
-    """
-
-    name: str
-    title: str
-    caption: str
-    traces: list[Plain]
-    layout: Plain
-    linked: bool = True
-    choices: tuple[str, ...] = field(default=())
-
-
-def letters(phases: Sequence[Phase]) -> list[str]:
-    """Return the paper's names of the switches: (A) for the first, and so on."""
-    return [f"({chr(ord('A') + i % 26)})" for i in range(len(phases) - 1)]
 
 
 def stacked(
@@ -80,7 +51,7 @@ def grid(
     heads: Sequence[str],
     height: int,
     span: tuple[float, float],
-    mark: Plain,
+    shapes: list[Plain],
 ) -> Plain:
     """Return the layout of rows x columns of plots; plots are numbered row by row.
 
@@ -89,7 +60,7 @@ def grid(
         heads: of the columns.
         height: of one plot [px].
         span: of the time axes [s].
-        mark: shapes and annotations, as ``marks`` returns them.
+        shapes: lines across the plots.
     """
     rows, columns = len(titles), len(heads)
     layout = _base(rows * height + _TOP + _BOTTOM)
@@ -109,7 +80,7 @@ def grid(
         layout[f"yaxis{key}"] = _axis(
             titles[row][column], domain=list(_band(row, rows)), anchor=f"x{key}"
         )
-    layout["shapes"] = mark["shapes"]
+    layout["shapes"] = shapes
     layout["annotations"] = [
         {
             "text": f"<b>{head}</b>",
@@ -126,28 +97,24 @@ def grid(
     return layout
 
 
-def marks(phases: Sequence[Phase], names: bool = True) -> Plain:
-    """Return vertical lines where stacks are triggered, with their names above the plots."""
-    shapes: list[Plain] = []
-    annotations: list[Plain] = []
-    labels = ["", *letters(phases)]
-    for label, phase in zip(labels, phases, strict=True):
-        if label:
-            shapes.append(vertical(phase.start, "x", "solid"))
-        if names:
-            annotations.append(
-                {
-                    "text": f"<b>{label}</b> {phase.stack}".strip(),
-                    "x": phase.start,
-                    "y": 1.0,
-                    "xref": "x",
-                    "yref": "paper",
-                    "xanchor": "left",
-                    "yanchor": "bottom",
-                    "showarrow": False,
-                    "font": {"size": 12, "color": GREY},
-                }
-            )
+def marks(phases: Sequence[Phase]) -> Plain:
+    """Return vertical lines at the switches, with the stacks' names above the plots."""
+    switches = list(zip(letters(phases), phases[1:], strict=True))
+    annotations = [
+        {
+            "text": f"<b>{label}</b> → {phase.stack}",
+            "x": phase.start,
+            "y": 1.0,
+            "xref": "x",
+            "yref": "paper",
+            "xanchor": "left",
+            "yanchor": "bottom",
+            "showarrow": False,
+            "font": {"size": 12, "color": GREY},
+        }
+        for label, phase in switches
+    ]
+    shapes = [vertical(phase.start, "x", "solid") for _, phase in switches]
     return {"shapes": shapes, "annotations": annotations}
 
 
@@ -194,8 +161,11 @@ def _base(height: int) -> Plain:
     return {
         "height": height,
         "margin": {"l": 72, "r": 24, "t": _TOP, "b": _BOTTOM},
-        "font": {"family": "system-ui, -apple-system, Segoe UI, sans-serif", "size": 12,
-                 "color": _INK},
+        "font": {
+            "family": "system-ui, -apple-system, Segoe UI, sans-serif",
+            "size": 12,
+            "color": _INK,
+        },
         "paper_bgcolor": "white",
         "plot_bgcolor": "white",
         "hovermode": "x",

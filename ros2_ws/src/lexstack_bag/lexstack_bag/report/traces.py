@@ -52,6 +52,11 @@ class Grid:
         stride = -(-count // _MOST_SAMPLES)
         return cls(int(ticks[0]), count, float(run.plant.stamp[0]), run.period, stride)
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """The time of the first and of the last tick [s]."""
+        return self.start, self.start + (self.count - 1) * self.period
+
     def spread(self, ticks: NDArray[np.int64], values: Any) -> NDArray[np.float64]:
         """Return values, shape (K,), on all ticks, shape (count,): nan where there are none."""
         dense = np.full(self.count, np.nan)
@@ -71,9 +76,7 @@ class Grid:
             dense = dense[:: self.stride]
         return {"x0": self.start, "dx": self.period * self.stride, "y": typed(dense)}
 
-    def window(
-        self, ticks: NDArray[np.int64], values: Any, begin: float, end: float
-    ) -> Plain:
+    def window(self, ticks: NDArray[np.int64], values: Any, begin: float, end: float) -> Plain:
         """Return ``x0``, ``dx``, ``y`` of the part between two times [s], every tick of it."""
         low = max(0, int(np.floor((begin - self.start) / self.period)))
         high = min(self.count, int(np.ceil((end - self.start) / self.period)) + 1)
@@ -107,7 +110,7 @@ def line(
         "name": name,
         "legendgroup": name,
         "showlegend": legend,
-        "line": {"color": color, "width": width, "dash": dash},
+        "line": {"color": color, "width": width, "dash": dash, "simplify": False},
         "xaxis": f"x{suffix}",
         "yaxis": f"y{suffix}",
         "hoverlabel": {"namelength": -1},

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +18,30 @@ from numpy.typing import NDArray
 from lexstack_core.hqp.exchange import solve_by_exchange
 from lexstack_core.hqp.factor import factorise
 from lexstack_core.hqp.problem import HqpProblem, Solution, Status
-from lexstack_core.hqp.qp import LevelQp, QpBackend
+from lexstack_core.hqp.qp import LevelQp, QpBackend, level_qp
 from lexstack_core.hqp.refine import Point, refine
 from lexstack_core.hqp.rows import FEASIBILITY, LevelRows, Signs
 from lexstack_core.linear import LinearTask, Matrix, Vector
 
 EXCHANGES = 6  # guesses of the whole working set before the cascade decides
 _NEGLIGIBLE = 1e-9  # rows of a reduced bound shorter than this cannot leave it
+
+
+@dataclass(frozen=True, slots=True)
+class _Walls:
+    """Rows that no level below may leave: the bounds of chi, satisfied inequality rows.
+
+    Attributes:
+        matrix: shape (h, n).
+        lower: shape (h,).
+        upper: shape (h,).
+        tolerance: reduced rows shorter than this cannot be left.
+    """
+
+    matrix: Matrix
+    lower: Vector
+    upper: Vector
+    tolerance: float
 
 
 class NullSpaceCascade:
@@ -67,30 +84,27 @@ class NullSpaceCascade:
     ) -> tuple[Vector, str]:
         """Solve level by level from a chi inside the bounds; return chi and why it stopped."""
         basis: Matrix = np.eye(lower.size)[:, upper - lower > FEASIBILITY]
-        kept: list[tuple[Matrix, Vector, Vector]] = []
+        walls = [_Walls(np.eye(lower.size), lower, upper, _NEGLIGIBLE)]
         for k, level in enumerate([*levels, _smallest(lower.size)]):
             if basis.shape[1] == 0:
                 break
-            qp, joints = _reduce(level, chi, basis, lower, upper, kept)
-            guess = np.zeros(qp.hard_lower.size, dtype=np.int8)
-            guess[: joints.size] = held[joints]
-            point = self._solve_level(qp, guess)
+            qp, joints = _reduce(level, chi, basis, walls)
+            point = self._solve_level(qp, held[joints])
             if isinstance(point, str):
                 return chi, f"level {k}: {self._backend.name}: {point}"
             chi = np.minimum(np.maximum(chi + basis.dot(point.z), lower), upper)
             basis = basis.dot(point.null)
             if not level.exact:
-                kept.append(_satisfied(level, point.broken))
+                walls.append(_satisfied(level, point.broken))
         return chi, ""
 
     def _solve_level(self, qp: LevelQp, guess: Signs) -> Point | str:
         """Return the optimum of a level, or the backend's word for why there is none."""
         factor = factorise(qp.objective, qp.tolerance)
-        z = factor.solve(qp.target)
-        if _contains(qp.hard, qp.hard_lower, qp.hard_upper, z) and _contains(
-            qp.soft, qp.soft_lower, qp.soft_upper, z
-        ):
-            return Point(z, factor.null, np.zeros(qp.soft_lower.size, dtype=np.int8))
+        x = factor.solve(qp.target)
+        if _contains(qp, x):
+            r = x.size - qp.slacks
+            return Point(x[:r], factor.null[:r], np.zeros(qp.slacks, dtype=np.bool_))
         if factor.rank < min(qp.objective.shape):
             # What counts as zero is made zero, so that the backend and the levels below agree.
             rounding = qp.objective.dot(factor.null).dot(factor.null.T)
@@ -100,56 +114,51 @@ class NullSpaceCascade:
 
 
 def _reduce(
-    level: LevelRows,
-    chi: Vector,
-    basis: Matrix,
-    lower: Vector,
-    upper: Vector,
-    kept: list[tuple[Matrix, Vector, Vector]],
+    level: LevelRows, chi: Vector, basis: Matrix, walls: list[_Walls]
 ) -> tuple[LevelQp, NDArray[np.intp]]:
     """Return a level in z with chi + N z, and the joints that its first hard rows belong to."""
-    bounded = np.isfinite(lower) | np.isfinite(upper)
-    bounded &= np.einsum("ij,ij->i", basis, basis) > _NEGLIGIBLE * _NEGLIGIBLE
-    joints = np.flatnonzero(bounded)
-    hard = [basis[joints]]
-    below, above = [(lower - chi)[joints]], [(upper - chi)[joints]]
-    for rows, rows_lower, rows_upper in kept:
-        value = rows.dot(chi)
-        hard.append(rows.dot(basis))
-        below.append(rows_lower - value)
-        above.append(rows_upper - value)
+    hard, below, above = [], [], []
+    joints = np.empty(0, dtype=np.intp)
+    for k, wall in enumerate(walls):
+        rows = basis if k == 0 else wall.matrix.dot(basis)
+        # Rows that the levels above have used up hold rounding errors, on which solvers fail.
+        felt = np.flatnonzero(np.einsum("ij,ij->i", rows, rows) > wall.tolerance * wall.tolerance)
+        value = wall.matrix.dot(chi)
+        hard.append(rows[felt])
+        below.append((wall.lower - value)[felt])
+        above.append((wall.upper - value)[felt])
+        joints = felt if k == 0 else joints
     reduced = level.matrix.dot(basis)
+    reduced[np.einsum("ij,ij->i", reduced, reduced) <= level.tolerance * level.tolerance] = 0.0
     value = level.matrix.dot(chi)
-    equal, other = level.equal, ~level.equal
-    qp = LevelQp(
-        objective=reduced[equal],
-        target=(level.lower - value)[equal],
-        hard=np.concatenate(hard),
-        hard_lower=np.minimum(np.concatenate(below), 0.0),
-        hard_upper=np.maximum(np.concatenate(above), 0.0),
-        soft=reduced[other],
-        soft_lower=(level.lower - value)[other],
-        soft_upper=(level.upper - value)[other],
-        norm=level.norm,
-        tolerance=level.tolerance,
+    qp = level_qp(
+        reduced,
+        level.equal,
+        (level.lower - value, level.upper - value),
+        (
+            np.concatenate(hard),
+            np.minimum(np.concatenate(below), 0.0),
+            np.maximum(np.concatenate(above), 0.0),
+        ),
+        level.norm,
+        level.tolerance,
     )
     return qp, joints
 
 
-def _satisfied(level: LevelRows, broken: Signs) -> tuple[Matrix, Vector, Vector]:
+def _satisfied(level: LevelRows, broken: NDArray[np.bool_]) -> _Walls:
     """Return a level's satisfied inequality rows as constraints of the levels below.
 
     The broken ones are equations for them, and part of the null space already.
     """
-    rows = np.flatnonzero(~level.equal)[broken == 0]
-    matrix = level.matrix[rows]
-    return matrix, level.lower[rows], level.upper[rows]
+    rows = np.flatnonzero(~level.equal)[~broken]
+    return _Walls(level.matrix[rows], level.lower[rows], level.upper[rows], level.tolerance)
 
 
-def _contains(rows: Matrix, lower: Vector, upper: Vector, z: Vector) -> bool:
-    """Whether ``lower <= rows z <= upper`` up to rounding."""
-    value = rows.dot(z)
-    excess = np.maximum(value - upper, lower - value)
+def _contains(qp: LevelQp, x: Vector) -> bool:
+    """Whether x is inside all rows, up to rounding."""
+    value = qp.rows.dot(x)
+    excess = np.maximum(value - qp.upper, qp.lower - value)
     return bool(excess.max(initial=0.0) <= FEASIBILITY)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import daqp
 import numpy as np
 
@@ -32,7 +34,8 @@ class DaqpBackend:
 
     def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:
         """Solve with DAQP; ``guess`` becomes its first working set."""
-        hessian, gradient, rows, lower, upper = qp.assemble()
+        hessian, gradient = qp.quadratic()
+        lower, upper = qp.limits()
         sense = np.zeros(lower.size, dtype=np.intc)
         sense[: guess.size][guess > 0] = _ACTIVE
         sense[: guess.size][guess < 0] = _ACTIVE | _LOWER
@@ -40,11 +43,12 @@ class DaqpBackend:
         for proximal in _PROXIMAL:
             diagonal += proximal
             x, _, flag, info = daqp.solve(
-                hessian, gradient, rows, upper, lower, sense.copy(), **_SETTINGS
+                hessian, gradient, qp.rows, upper, lower, sense.copy(), **_SETTINGS
             )
-            if flag > 0:
-                return QpAnswer(x[: qp.objective.shape[1]], info["lam"][: guess.size], "")
-        return QpAnswer(x, lower, _WORDS.get(flag, f"exit flag {flag}"))
+            multipliers = info["lam"]
+            if flag > 0 and math.isfinite(x.dot(x)) and math.isfinite(multipliers.dot(multipliers)):
+                return QpAnswer(x, multipliers, "")
+        return QpAnswer(x, multipliers, _WORDS.get(flag, f"exit flag {flag}, not finite"))
 
 
 class DaqpCascade(NullSpaceCascade):

@@ -155,8 +155,8 @@ def _release(
         if step.chosen is not None:
             changed |= _judge(guess.rows[k], pending.rows[k], residual, step.chosen)
         changed |= _balance(residual.dot(step.rows), steps[:k], guess, pending, free)
-    if rest is None or rest.shape[1] > 0:
-        changed |= _balance(chi.copy(), steps, guess, pending, free)
+    # The last level is ||chi||; it also feels what was held without need.
+    changed |= _balance(chi.copy(), steps, guess, pending, free)
     return changed
 
 

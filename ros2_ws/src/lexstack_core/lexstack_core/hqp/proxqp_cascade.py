@@ -25,22 +25,23 @@ class ProxqpBackend:
 
     def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:
         """Solve with ProxQP; it starts cold, because a working set is of no use to it."""
-        hessian, gradient, rows, lower, upper = qp.assemble()
+        hessian, gradient = qp.quadratic()
+        lower, upper = qp.limits()
         for accuracy in _ACCURACY:
             solver = _proxqp.dense.QP(gradient.size, 0, lower.size)
             _configure(solver.settings, accuracy)
-            solver.init(hessian, gradient, None, None, rows, lower, upper)
+            solver.init(hessian, gradient, None, None, qp.rows, lower, upper)
             solver.solve()
             results = solver.results
             # It stalls at its iteration limit on degenerate levels and returns what it has got.
             if results.info.status == _proxqp.QPSolverOutput.PROXQP_SOLVED:
+                x, multipliers = results.x.copy(), results.z.copy()
                 # A row holds if its multiplier is larger than its distance to the bound: both
                 # are zero up to the accuracy for the others.
-                gap = np.where(results.z > 0.0, upper - rows.dot(results.x), 0.0)
-                gap = np.where(results.z < 0.0, rows.dot(results.x) - lower, gap)
-                pressed = np.where(np.abs(results.z) > np.maximum(gap, accuracy), results.z, 0.0)
-                z = results.x[: qp.objective.shape[1]].copy()
-                return QpAnswer(z, pressed[: guess.size], "")
+                value = qp.rows.dot(x)
+                gap = np.where(multipliers > 0.0, upper - value, value - lower)
+                multipliers[np.abs(multipliers) <= np.maximum(gap, accuracy)] = 0.0
+                return QpAnswer(x, multipliers, "")
         return QpAnswer(results.x, results.z, results.info.status.name)
 
 

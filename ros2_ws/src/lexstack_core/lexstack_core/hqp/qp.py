@@ -15,57 +15,92 @@ FAR = 1e30  # a bound that no solver reaches
 
 @dataclass(frozen=True, slots=True)
 class LevelQp:
-    """``min ||objective z - target||^2 + ||w||^2`` with hard rows and rows relaxed by w.
+    """``min ||objective x - target||^2`` within ``lower <= rows x <= upper``.
 
-    ``hard_lower <= hard z <= hard_upper`` and ``soft_lower <= soft z - w <= soft_upper``.
-    z = 0 satisfies the hard rows.
+    x is z, the move in the free directions, shape (r,), and then w, one slack for each inequality
+    row of the level, in units of ``norm``: the row is ``lower <= A z - norm w <= upper`` and w an
+    objective, so that what it cannot reach is minimised like the residual of an equality row.
 
     Attributes:
-        objective: shape (m, r).
+        objective: shape (m, r + s).
         target: shape (m,).
-        hard: bounds of chi and inequality rows of the levels above, shape (h, r).
-        hard_lower: shape (h,), at most 0.
-        hard_upper: shape (h,), at least 0.
-        soft: inequality rows of this level, shape (s, r).
-        soft_lower: shape (s,).
-        soft_upper: shape (s,).
+        rows: walls first, then the level's own inequality rows, shape (h + s, r + s).
+        lower: shape (h + s,).
+        upper: shape (h + s,).
+        start: a point inside, with z = 0, shape (r + s,).
+        slacks: s.
         norm: Frobenius norm of the level's rows before they were reduced, positive.
         tolerance: pivots of the objective below this count as zero.
     """
 
     objective: Matrix
     target: Vector
-    hard: Matrix
-    hard_lower: Vector
-    hard_upper: Vector
-    soft: Matrix
-    soft_lower: Vector
-    soft_upper: Vector
+    rows: Matrix
+    lower: Vector
+    upper: Vector
+    start: Vector
+    slacks: int
     norm: float
     tolerance: float
 
-    def assemble(self) -> tuple[Matrix, Vector, Matrix, Vector, Vector]:
-        """Return H, f, C, lower, upper of the same problem in (z, w), with finite bounds."""
-        r, s = self.objective.shape[1], self.soft_lower.size
-        hessian = self.objective.T.dot(self.objective)
-        gradient = -self.target.dot(self.objective)
-        # By the scale of the task, not of what the levels above leave of it: a level that is
-        # almost used up would have an enormous gradient, on which solvers stall.
+    def quadratic(self) -> tuple[Matrix, Vector]:
+        """Return H and f of ``min x.T H x / 2 + f.T x``.
+
+        Scaled by the task, not by what the levels above leave of it: a level that is almost used
+        up would have an enormous gradient, on which solvers stall.
+        """
         scale = 1.0 / (self.norm * self.norm)
-        hessian *= scale
-        gradient *= scale
-        rows, lower, upper = self.hard, self.hard_lower, self.hard_upper
-        if s:
-            full = scale * np.eye(r + s)
-            full[:r, :r] = hessian
-            hessian, gradient = full, np.concatenate((gradient, np.zeros(s)))
-            rows = np.zeros((self.hard_lower.size + s, r + s))
-            rows[:-s, :r] = self.hard
-            rows[-s:, :r] = self.soft
-            rows[-s:, r:] = -np.eye(s)
-            lower = np.concatenate((lower, self.soft_lower))
-            upper = np.concatenate((upper, self.soft_upper))
-        return hessian, gradient, rows, np.maximum(lower, -FAR), np.minimum(upper, FAR)
+        hessian = scale * self.objective.T.dot(self.objective)
+        return hessian, -scale * self.target.dot(self.objective)
+
+    def limits(self) -> tuple[Vector, Vector]:
+        """Return the bounds of the rows, finite."""
+        return np.maximum(self.lower, -FAR), np.minimum(self.upper, FAR)
+
+
+def level_qp(
+    reduced: Matrix,
+    equal: np.ndarray[tuple[int], np.dtype[np.bool_]],
+    ends: tuple[Vector, Vector],
+    walls: tuple[Matrix, Vector, Vector],
+    norm: float,
+    tolerance: float,
+) -> LevelQp:
+    """Return the program of a level.
+
+    Args:
+        reduced: the level's rows in z, shape (m, r).
+        equal: which of them are equality objectives, shape (m,).
+        ends: lower and upper end of each row, from where chi is, shapes (m,).
+        walls: hard rows in z with lower <= 0 <= upper: shapes (h, r), (h,), (h,).
+        norm: of the level's rows before they were reduced.
+        tolerance: of pivots of ``reduced``.
+    """
+    rows, lower, upper = walls
+    if equal.all():
+        start = np.zeros(reduced.shape[1])
+        return LevelQp(reduced, ends[0], rows, lower, upper, start, 0, norm, tolerance)
+    exact, soft = reduced[equal], reduced[~equal]
+    low, high = ends[0][~equal], ends[1][~equal]
+    s, r = soft.shape
+    objective = np.zeros((exact.shape[0] + s, r + s))
+    objective[: exact.shape[0], :r] = exact
+    objective[exact.shape[0] :, r:] = norm * np.eye(s)
+    stacked = np.zeros((lower.size + s, r + s))
+    stacked[: lower.size, :r] = rows
+    stacked[lower.size :, :r] = soft
+    stacked[lower.size :, r:] = -norm * np.eye(s)
+    return LevelQp(
+        objective=objective,
+        target=np.concatenate((ends[0][equal], np.zeros(s))),
+        rows=stacked,
+        lower=np.concatenate((lower, low)),
+        upper=np.concatenate((upper, high)),
+        start=np.concatenate((np.zeros(r), -np.minimum(np.maximum(0.0, low), high) / norm)),
+        slacks=s,
+        norm=norm,
+        tolerance=tolerance,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,12 +108,12 @@ class QpAnswer:
     """What a backend found; every vector may be inaccurate by the backend's tolerance.
 
     Attributes:
-        z: shape (r,).
-        multipliers: of the hard rows, positive at the upper bound, shape (h,).
+        x: shape (r + s,).
+        multipliers: of the rows, positive at the upper bound, zero inside, shape (h + s,).
         reason: empty when solved, else the backend's word for why not.
     """
 
-    z: Vector
+    x: Vector
     multipliers: Vector
     reason: str
 
@@ -89,5 +124,5 @@ class QpBackend(Protocol):
     name: str
 
     def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:
-        """Solve; ``guess`` says which hard rows probably hold, shape (h,)."""
+        """Solve; ``guess`` says which of the first rows probably hold, shape (at most h,)."""
         ...

@@ -1,9 +1,9 @@
 """From what a backend found to the exact optimum of a level, and the freedom it leaves.
 
-A backend's z is as good as its tolerances and its regularisation. The rows that it found to hold
-give an equality-constrained least-squares problem without either; where its solution satisfies the
-optimality conditions it is the exact one. It is found as a correction of z: of all optima of a
-level that does not use all freedom, the one next to z stays inside the rows that z is inside of.
+A backend's answer is as good as its tolerances and its regularisation. The rows that it found to
+hold, taken as equations, leave a least-squares problem without either. If its solution is not the
+optimum, near singularities for instance, a primal active-set method goes on from there: to the
+next row in the way, or away from the row that pulls most. This is mostly over after one look.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_core.hqp.factor import factorise
+from lexstack_core.hqp.factor import Factor, factorise
 from lexstack_core.hqp.qp import LevelQp, QpAnswer
 from lexstack_core.hqp.rows import FEASIBILITY, MULTIPLIER, Signs
 from lexstack_core.linear import Matrix, Vector
 
-_ROUNDS = 5
-_ROW_TOLERANCE = 1e-9  # pivots among hard rows, which have norms of at most about 1
+_STEPS = 100
+_ROW_TOLERANCE = 1e-9  # pivots among the rows, which have norms of about 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,93 +29,114 @@ class Point:
     Attributes:
         z: shape (r,).
         null: orthonormal basis of what the levels below may do, shape (r, r').
-        broken: which soft rows are not satisfied: -1 below, +1 above, shape (s,).
+        broken: which of the level's inequality rows are not satisfied, shape (s,).
     """
 
     z: Vector
     null: Matrix
-    broken: Signs
+    broken: NDArray[np.bool_]
 
 
 @dataclass(slots=True)
-class _Working:
-    """The rows taken to hold: hard ones at a bound, soft ones outside theirs; shapes (h,), (s,)."""
+class _Corner:
+    """The least-squares point with the working rows as equations.
 
-    hard: Signs
-    soft: Signs
-
-
-def refine(qp: LevelQp, answer: QpAnswer) -> Point:
-    """Return the exact optimum near a backend's, or the backend's own if none is found."""
-    z, multipliers = answer.z, answer.multipliers
-    soft = _sides_outside(qp.soft.dot(z), qp.soft_lower, qp.soft_upper, FEASIBILITY)
-    working = _Working(np.sign(multipliers).astype(np.int8), soft)
-    for _ in range(_ROUNDS):
-        exact, pressed = _correct(qp, z, working)
-        if not _exchange(qp, exact, pressed, working):
-            z, multipliers = exact, pressed
-            break
-    else:
-        working = _Working(np.sign(multipliers).astype(np.int8), soft)
-    felt = np.abs(multipliers) > MULTIPLIER
-    return Point(z, _freedom(qp, felt, working.soft), working.soft)
-
-
-def _correct(qp: LevelQp, z: Vector, working: _Working) -> tuple[Vector, Vector]:
-    """Return the least-squares point with the working rows as equations, and its multipliers."""
-    held = np.flatnonzero(working.hard)
-    bound = np.where(working.hard > 0, qp.hard_upper, qp.hard_lower)[held]
-    rows = qp.hard[held]
-    walls = factorise(rows, _ROW_TOLERANCE)
-    on_walls = z + walls.solve(bound - rows.dot(z))
-    objective, target = _objective(qp, working.soft)
-    factor = factorise(objective.dot(walls.null), qp.tolerance)
-    exact: Vector = on_walls + walls.null.dot(factor.solve(target - objective.dot(on_walls)))
-    residual = objective.dot(exact) - target
-    pressed = np.zeros(working.hard.size)
-    pressed[held] = walls.solve_transposed(-residual.dot(objective))
-    return exact, pressed
-
-
-def _exchange(qp: LevelQp, z: Vector, pressed: Vector, working: _Working) -> bool:
-    """Correct the working rows by what z violates or pulls; return whether there was anything."""
-    outside = _sides_outside(qp.hard.dot(z), qp.hard_lower, qp.hard_upper, FEASIBILITY)
-    pulled = working.hard * pressed < -MULTIPLIER
-    added = (working.hard == 0) & (outside != 0)
-    working.hard[pulled] = 0
-    working.hard[added] = outside[added]
-    value = qp.soft.dot(z)
-    wall = np.where(working.soft > 0, qp.soft_upper, qp.soft_lower)
-    soft_pulled = working.soft * (value - np.where(working.soft != 0, wall, value)) < -MULTIPLIER
-    soft_outside = _sides_outside(value, qp.soft_lower, qp.soft_upper, FEASIBILITY)
-    soft_added = (working.soft == 0) & (soft_outside != 0)
-    working.soft[soft_pulled] = 0
-    working.soft[soft_added] = soft_outside[soft_added]
-    return bool(pulled.any() or added.any() or soft_pulled.any() or soft_added.any())
-
-
-def _freedom(qp: LevelQp, felt: NDArray[np.bool_], soft: Signs) -> Matrix:
-    """Return the directions that change neither the optimum nor a row that presses on it.
-
-    A row with a multiplier holds for every optimum of the level: to keep it as an inequality for
-    the levels below would leave them a feasible set without interior, where solvers stall.
+    Attributes:
+        x: shape (r + s,).
+        pressed: multipliers of all rows, positive at the upper bound, shape (h + s,).
+        walls: factor of the working rows.
+        objective: factor of the objective in the directions that these leave.
     """
-    walls = factorise(qp.hard[felt], _ROW_TOLERANCE)
-    objective, _ = _objective(qp, soft)
-    null: Matrix = walls.null.dot(factorise(objective.dot(walls.null), qp.tolerance).null)
-    return null
+
+    x: Vector
+    pressed: Vector
+    walls: Factor
+    objective: Factor
 
 
-def _objective(qp: LevelQp, soft: Signs) -> tuple[Matrix, Vector]:
-    """Return the equality objectives and the soft rows that are outside, as ``A z -> b``."""
-    outside = np.flatnonzero(soft)
+def refine(qp: LevelQp, answer: QpAnswer) -> Point | str:
+    """Return the exact optimum next to a backend's answer, or why there is none."""
+    x = _inside(qp, answer.x)
+    sides = np.sign(answer.multipliers).astype(np.int8)
+    for _ in range(_STEPS):
+        corner = _corner(qp, x, sides)
+        part, row = _reach(qp, x, corner.x, sides)
+        x = x + part * (corner.x - x)
+        if row >= 0:
+            sides[row] = 1 if qp.rows[row].dot(corner.x) > qp.upper[row] else -1
+            continue
+        pulled = sides * corner.pressed
+        worst = int(np.argmin(pulled)) if pulled.size else -1
+        if worst < 0 or pulled[worst] >= -MULTIPLIER:
+            return _point(qp, corner)
+        sides[worst] = 0
+    return "no optimum next to the answer"
+
+
+def _corner(qp: LevelQp, x: Vector, sides: Signs) -> _Corner:
+    """Return the optimum with the working rows as equations that is nearest to x."""
+    held = np.flatnonzero(sides)
+    bound = np.where(sides > 0, qp.upper, qp.lower)[held]
+    rows = qp.rows[held]
+    walls = factorise(rows, _ROW_TOLERANCE)
+    on_walls = x + walls.solve(bound - rows.dot(x))
+    factor = factorise(qp.objective.dot(walls.null), qp.tolerance)
+    move = factor.solve(qp.target - qp.objective.dot(on_walls))
+    corner: Vector = on_walls + walls.null.dot(move)
+    residual = qp.objective.dot(corner) - qp.target
+    pressed = np.zeros(sides.size)
+    pressed[held] = walls.solve_transposed(-residual.dot(qp.objective))
+    return _Corner(corner, pressed, walls, factor)
+
+
+def _reach(qp: LevelQp, x: Vector, corner: Vector, sides: Signs) -> tuple[float, int]:
+    """Return how far from x to the corner all rows hold, and the row in the way or -1."""
+    value = qp.rows.dot(corner)
+    excess = np.maximum(value - qp.upper, qp.lower - value)
+    excess[sides != 0] = 0.0
+    if excess.max(initial=0.0) <= FEASIBILITY:
+        return 1.0, -1
+    outside = np.flatnonzero(excess > FEASIBILITY)
+    way = value[outside] - qp.rows[outside].dot(x)
+    part = 1.0 - excess[outside] / np.abs(way)
+    first = int(np.argmin(part))
+    return min(max(float(part[first]), 0.0), 1.0), int(outside[first])
+
+
+def _inside(qp: LevelQp, x: Vector) -> Vector:
+    """Return the point next to x, towards the start, that is inside all rows."""
+    value, inner = qp.rows.dot(x), qp.rows.dot(qp.start)
+    excess = np.maximum(value - qp.upper, qp.lower - value)
+    outside = np.flatnonzero(excess > FEASIBILITY)
     if outside.size == 0:
-        return qp.objective, qp.target
-    wall = np.where(soft > 0, qp.soft_upper, qp.soft_lower)[outside]
-    return np.concatenate((qp.objective, qp.soft[outside])), np.concatenate((qp.target, wall))
+        return x
+    back = float(np.max(excess[outside] / np.abs(value - inner)[outside]))
+    return x + min(back, 1.0) * (qp.start - x)
 
 
-def _sides_outside(value: Vector, lower: Vector, upper: Vector, by: float) -> Signs:
-    """Return -1 where value is below lower, +1 where it is above upper, by more than ``by``."""
-    sides: Signs = (value > upper + by).astype(np.int8) - (value < lower - by).astype(np.int8)
-    return sides
+def _point(qp: LevelQp, corner: _Corner) -> Point:
+    """Return the optimum and the directions that change neither it nor a row that presses on it.
+
+    A row with a multiplier holds for every optimum of the level: kept as an inequality, it would
+    leave the levels below a feasible set without interior, where solvers stall.
+    """
+    felt = np.abs(corner.pressed) > MULTIPLIER
+    if qp.slacks == 0:
+        if np.count_nonzero(felt) == corner.walls.rank:
+            null = corner.walls.null.dot(corner.objective.null)
+        else:
+            null = _null(qp.rows[felt], qp.objective, qp.tolerance)
+        return Point(corner.x, null, np.zeros(0, dtype=np.bool_))
+    s = qp.slacks
+    z, w = corner.x[:-s], corner.x[-s:]
+    broken = np.abs(w) * qp.norm > FEASIBILITY
+    rows = qp.rows[:-s, :-s][felt[:-s]]
+    objective = np.concatenate((qp.objective[:-s, :-s], qp.rows[-s:, :-s][broken]))
+    return Point(z, _null(rows, objective, qp.tolerance), broken)
+
+
+def _null(rows: Matrix, objective: Matrix, tolerance: float) -> Matrix:
+    """Return the directions that leave both alone."""
+    walls = factorise(rows, _ROW_TOLERANCE)
+    null: Matrix = walls.null.dot(factorise(objective.dot(walls.null), tolerance).null)
+    return null

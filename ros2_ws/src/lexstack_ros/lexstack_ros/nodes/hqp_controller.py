@@ -65,7 +65,7 @@ class HqpControllerNode(Node):
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_LOOK, self._on_look, clock=wall)
         Diagnostics(self, self._health)
-        self._readiness = Readiness(self, {"/robot_a/chi": "sim_bridge"})
+        self._readiness = Readiness(self, {self._chi_out: "sim_bridge"})
 
     # ---- the tick
 

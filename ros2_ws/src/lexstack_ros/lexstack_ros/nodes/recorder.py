@@ -9,7 +9,7 @@ from typing import Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 
 from lexstack_bag.errors import BagError
 from lexstack_bag.facts import run_facts
@@ -18,7 +18,14 @@ from lexstack_core.errors import ConfigurationError
 from lexstack_ros.diagnostics import Diagnostics, Health
 from lexstack_ros.parameters import scenario_parameter, text_parameter
 from lexstack_ros.readiness import READY
-from lexstack_ros.recording import Tap, contract_topics, describe, is_hidden, matching_qos
+from lexstack_ros.recording import (
+    Tap,
+    contract_topics,
+    describe,
+    hears,
+    is_hidden,
+    matching_qos,
+)
 from lexstack_ros.spin import run_node
 
 _DISCOVERY_PERIOD = 0.2  # s
@@ -34,12 +41,12 @@ class Recorder(Node):
         output = Path(text_parameter(self, "output", "folder of the bag, must not hold anything"))
         extra = text_parameter(self, "topics", "more topics to wait for: NAME:TYPE, ...", "")
         resolved = scenario_parameter(self)
+        expected = contract_topics(resolved.scenario.robots) | _pairs(extra)
         self._writer = BagWriter(output, run_facts(resolved))
         self._taps: dict[str, Tap] = {}
         self._announced: set[str] = set()
         self._refused: set[str] = set()
         self._lost_before: Counter[str] = Counter()  # of subscriptions that were renewed
-        expected = contract_topics(resolved.scenario.robots) | _pairs(extra)
         for name, type_name in expected.items():
             self._subscribe(name, type_name)
         self._diagnostics = Diagnostics(self, self._health)
@@ -52,10 +59,14 @@ class Recorder(Node):
 
     def close(self) -> None:
         """Take what still waits in the middleware, complete the bag, and say what it holds."""
-        for tap in self._taps.values():
-            tap.drain()
-        lost = self._lost()
-        self._writer.close(lost)
+        try:
+            for tap in self._taps.values():
+                tap.drain()
+            lost = self._lost()
+            self._writer.close(lost)
+        except BagError as error:
+            self.get_logger().error(f"the bag is not complete: {error}")
+            return
         missing = ", ".join(f"{topic} {count}" for topic, count in lost.items() if count)
         self.get_logger().info(
             f"recorded {self._writer.extent.total} messages of {len(self._announced)} topics, "
@@ -72,12 +83,9 @@ class Recorder(Node):
             offers = self.get_publishers_info_by_topic(name)
             if not offers:
                 continue
-            qos = matching_qos(offers)
-            too_strict = tap is not None and (
-                tap.qos.reliability != qos.reliability == ReliabilityPolicy.BEST_EFFORT
-            )
-            if tap is None or too_strict:
-                self._subscribe(name, types[0] if tap is None else tap.type_name, qos)
+            if tap is None or not hears(tap.qos, offers):
+                type_name = types[0] if tap is None else tap.type_name
+                self._subscribe(name, type_name, matching_qos(offers))
             self._announce(name)
 
     def _subscribe(self, name: str, type_name: str, qos: QoSProfile | None = None) -> None:

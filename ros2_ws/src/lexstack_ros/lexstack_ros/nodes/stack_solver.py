@@ -44,7 +44,7 @@ class StackSolverNode(Node):
         self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
         self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
-        self._readiness = Readiness(self, {"/robot_b/chi": "hqp_controller"})
+        self._readiness = Readiness(self, {self._chi_out: "hqp_controller"})
 
     def _on_state(self, message: PlantState) -> None:
         """Solve for a new state, if a stack is asked for."""

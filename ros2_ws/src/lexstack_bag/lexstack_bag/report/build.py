@@ -1,0 +1,39 @@
+"""Builds the report of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from lexstack_bag.measures import Measures
+from lexstack_bag.metrics import Metrics
+from lexstack_bag.phases import Phase
+from lexstack_bag.report import control, motion, switches
+from lexstack_bag.report.page import page
+from lexstack_bag.report.pictures import pictures
+from lexstack_bag.report.traces import Grid
+from lexstack_bag.run import Run
+
+
+def write_report(
+    path: Path,
+    run: Run,
+    measures: Measures,
+    phases: tuple[Phase, ...],
+    metrics: Metrics,
+    progress: Callable[[str], None] = lambda _line: None,
+) -> None:
+    """Write the report of a run to one HTML file."""
+    grid = Grid.of(run)
+    figures = [
+        motion.poses(run, measures, phases, grid),
+        motion.errors(run, measures, phases, grid),
+        *switches.switches(run, phases, grid),
+        control.computation(run, phases, grid),
+        control.smoothness(run, measures, phases, grid),
+        control.bounds(run, phases, grid),
+    ]
+    progress(f"drew {len(figures)} figures")
+    shots, reason = pictures(run, phases)
+    progress(f"rendered {len(shots)} pictures" if shots else f"no pictures: {reason}")
+    path.write_text(page(run, metrics, figures, shots, reason), encoding="utf-8")

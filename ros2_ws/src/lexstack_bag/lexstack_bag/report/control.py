@@ -1,0 +1,119 @@
+"""Figures of the control: solve times and alpha, smoothness of the command, bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lexstack_bag.measures import COMMANDER, Measures
+from lexstack_bag.phases import Phase
+from lexstack_bag.report.figure import Figure
+from lexstack_bag.report.layout import level, stacked
+from lexstack_bag.report.traces import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    Grid,
+    Plain,
+    line,
+)
+from lexstack_bag.run import Run
+
+_COLORS = (BLUE, VERMILLION, GREEN, ORANGE)
+
+
+def computation(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
+    """Return the paper's Fig. 9: solve times and alpha; and the gap to the source."""
+    traces: list[Plain] = []
+    medians = []
+    for i, (name, chi) in enumerate(run.chi.items()):
+        if not len(chi.tick):
+            continue
+        milliseconds = 1e3 * chi.solve_time
+        medians.append(f"{name} {np.median(milliseconds):.2f} ms")
+        color = _COLORS[i % len(_COLORS)]
+        series = grid.series(chi.tick, milliseconds, peaks=True)
+        traces.append(line(series, f"{name}", color, width=1.0))
+    status = run.transition
+    traces.append(line(grid.series(status.tick, status.alpha), "α", BLACK, row=2))
+    gap = grid.series(status.tick, status.gap, peaks=True)
+    traces.append(line(gap, "gap to the source", PURPLE, row=3))
+    return Figure(
+        "computation",
+        "Solve times, α and the gap",
+        "Fig. 9 of the paper. Top: wall-clock time from state to χ in each robot's own process; "
+        f"medians: {', '.join(medians) or 'none'}. Robot B solves only while a stack is prepared "
+        "or blended. Middle: α of the blend. Bottom: the largest difference over the joints "
+        "between the command and the source's χ.",
+        traces,
+        stacked(["solve time [ms]", "α [-]", "gap [m/s, rad/s]"], 160, phases, grid.span),
+    )
+
+
+def smoothness(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> Figure:
+    """Return the command's acceleration and jerk at every tick, over the limits."""
+    ticks = run.chi[COMMANDER].tick
+    traces: list[Plain] = []
+    for row, ratios in enumerate((measures.acceleration_ratio, measures.jerk_ratio), start=1):
+        known = np.isfinite(ratios).any(axis=1)
+        worst = np.full(len(ratios), np.nan)
+        worst[known] = np.nanmax(ratios[known], axis=1)
+        name, color = ("acceleration", BLUE) if row == 1 else ("jerk", ORANGE)
+        traces.append(line(grid.series(ticks, worst, peaks=True), name, color, row=row))
+    layout = stacked(["acceleration / limit [-]", "jerk / limit [-]"], 180, phases, grid.span)
+    layout["shapes"].append(level(1.0, 1, VERMILLION))
+    for key in ("yaxis", "yaxis2"):
+        layout[key]["rangemode"] = "tozero"
+    return Figure(
+        "smoothness",
+        "Smoothness of the command",
+        "The largest |χ(k) − χ(k−1)| / (Δt·q̈<sub>max</sub>) over all joints, and the same for "
+        "jerk. The dashed line is the acceleration limit. Jerk is bounded only where jerk limits "
+        "are on.",
+        traces,
+        layout,
+    )
+
+
+def bounds(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
+    """Return command, measured velocity and bounds of any one joint."""
+    command, plant = run.chi[COMMANDER], run.plant
+    traces: list[Plain] = []
+    choices = _joints(run)
+    for joint in range(len(choices)):
+        shown = {"visible": joint == 0}
+        lower = grid.series(command.tick, command.lower[:, joint])
+        upper = grid.series(command.tick, command.upper[:, joint])
+        fill = {"fill": "tonexty", "fillcolor": "rgba(86, 180, 233, 0.28)"}
+        traces += [
+            line(lower, "lower bound", SKY, width=0.8, legend=False, **shown),
+            line(upper, "bounds on χ", SKY, width=0.8, **fill, **shown),
+            line(
+                grid.series(plant.tick, plant.v[:, joint]), "measured", ORANGE, width=1.2, **shown
+            ),
+            line(grid.series(command.tick, command.chi[:, joint]), "command", BLUE, **shown),
+        ]
+    return Figure(
+        "bounds",
+        "Command and bounds of one joint",
+        "Shaded: from the lower to the upper bound on χ at each tick, made from position, "
+        "velocity and acceleration limits together. The command stays inside.",
+        traces,
+        stacked(["joint velocity [m/s, rad/s]"], 320, phases, grid.span),
+        choices=choices,
+    )
+
+
+def _joints(run: Run) -> tuple[str, ...]:
+    """Return a label for every entry of chi."""
+    labels = []
+    for name, place in run.resolved.scenario.robots.items():
+        arm = len(run.resolved.robots[place.model].arm.joints)
+        labels += [f"{name} base x [m/s]", f"{name} base y [m/s]", f"{name} base yaw [rad/s]"]
+        labels += [f"{name} arm joint {k + 1} [rad/s]" for k in range(arm)]
+    return tuple(labels)

@@ -1,0 +1,79 @@
+"""Figures of the motion: poses against their references, and the errors between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lexstack_bag.measures import Measures
+from lexstack_bag.phases import Phase
+from lexstack_bag.report.figure import Figure
+from lexstack_bag.report.layout import level, stacked
+from lexstack_bag.report.traces import BLUE, GREEN, GREY, VERMILLION, Grid, line
+from lexstack_bag.run import Run
+
+_AXES = (("x", BLUE), ("y", VERMILLION))
+
+
+def poses(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> Figure:
+    """Return the paper's Fig. 5: end effectors and bases, measured and desired."""
+    rows = [
+        (f"{name} EE [m]", measures.ee[:, i], measures.ee_target[:, i], "z")
+        for i, name in enumerate(run.robots)
+    ]
+    rows += [
+        (f"{name} base [m, rad]", measures.base[:, i], measures.base_target[:, i], "yaw")
+        for i, name in enumerate(run.robots)
+    ]
+    traces = []
+    for row, (_, actual, desired, third) in enumerate(rows, start=1):
+        axes = (*_AXES, (third, GREEN))
+        for k, (axis, color) in enumerate(axes):
+            new = row == 1 or (k == 2 and row == len(run.robots) + 1)
+            ticks = run.plant.tick
+            traces += [
+                line(
+                    grid.series(ticks, desired[:, k]),
+                    f"{axis} desired",
+                    color,
+                    row=row,
+                    dash="dash",
+                    legend=new,
+                ),
+                line(grid.series(ticks, actual[:, k]), axis, color, row=row, legend=new),
+            ]
+    return Figure(
+        "poses",
+        "Both end effectors and both bases, measured and desired",
+        "Fig. 5 of the paper. Solid: measured pose; dashed: the reference in effect. Base "
+        "references hold at all times but bind only while the stack has a base task. Vertical "
+        "lines mark the switches.",
+        traces,
+        stacked([row[0] for row in rows], 175, phases, grid.span),
+    )
+
+
+def errors(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> Figure:
+    """Return the distances to the references, on logarithmic axes."""
+    traces = []
+    colors = (BLUE, VERMILLION, GREEN, GREY)
+    for row, values in enumerate((measures.ee_error, measures.base_error), start=1):
+        for i, name in enumerate(run.robots):
+            shown = np.maximum(values[:, i], 1e-3)  # a logarithm has no zero
+            series = grid.series(run.plant.tick, shown, peaks=True)
+            color = colors[i % len(colors)]
+            traces.append(line(series, name, color, row=row, legend=row == 1))
+    layout = stacked(["EE error [mm]", "base error [mm]"], 200, phases, grid.span)
+    for key in ("yaxis", "yaxis2"):
+        layout[key] |= {"type": "log", "dtick": 1, "exponentformat": "power"}
+    layout["shapes"] += [level(1.0, 1, GREEN), level(5.0, 2, GREEN)]
+    return Figure(
+        "errors",
+        "Distance to the references",
+        "Logarithmic. The dashed green lines are our goals: 1 mm for the end effectors at the "
+        "end, 5 mm for the bases after (A). A base error outside a phase with a base task is no "
+        "fault: nothing asks for it there. Values below 1 µm are drawn at 1 µm.",
+        traces,
+        layout,
+    )

@@ -1,0 +1,65 @@
+"""Pictures of the robots at the paper's instants, rendered from the recorded positions."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lexstack_bag.phases import Phase
+from lexstack_bag.report.figure import letters
+from lexstack_bag.run import Run
+
+_QUALITY = 88  # of the JPEG
+_MOST = 8  # pictures
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """One rendered instant."""
+
+    caption: str
+    uri: str  # data:image/jpeg;base64,...
+
+
+def pictures(run: Run, phases: Sequence[Phase]) -> tuple[list[Picture], str]:
+    """Return the pictures at every trigger and at the end, or none and the reason.
+
+    Rendering needs the simulation package and OpenGL; whatever keeps it from working, the report
+    has everything else.
+    """
+    instants = _instants(run, phases)[:_MOST]
+    rows = [int(np.argmin(np.abs(run.plant.stamp - time))) for time, _ in instants]
+    try:
+        from lexstack_sim.render import snapshots  # noqa: PLC0415 - optional, and slow to load
+
+        images = snapshots(run.resolved, [run.plant.q[row] for row in rows])
+        encoded = [_jpeg(image) for image in images]
+    except Exception as error:  # noqa: BLE001 - drivers raise what they like
+        text = " ".join(str(error).split()) or "no message"
+        return [], f"{type(error).__name__}: {text}"
+    return [Picture(caption, uri) for (_, caption), uri in zip(instants, encoded, strict=True)], ""
+
+
+def _instants(run: Run, phases: Sequence[Phase]) -> list[tuple[float, str]]:
+    """Return times [s] and captions of what is shown."""
+    instants = []
+    for label, before, after in zip(letters(phases), phases, phases[1:], strict=False):
+        text = f"<b>{label}</b> {after.start:.2f} s: end of {before.stack}, {after.stack} begins"
+        instants.append((after.start, text))
+    end = float(run.plant.stamp[-1])
+    label = f"({chr(ord('A') + len(instants) % 26)})"
+    instants.append((end, f"<b>{label}</b> {end:.2f} s: final configuration"))
+    return instants
+
+
+def _jpeg(image: np.ndarray) -> str:
+    """Return an RGB image, shape (height, width, 3) of uint8, as a data URI."""
+    from PIL import Image  # noqa: PLC0415 - only where there is something to show
+
+    buffer = io.BytesIO()
+    Image.fromarray(image).save(buffer, "JPEG", quality=_QUALITY)
+    return "data:image/jpeg;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")

@@ -1,0 +1,94 @@
+"""Figures of the switches: the source's discontinuous solution against the smooth command."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from lexstack_bag.measures import COMMANDER
+from lexstack_bag.phases import Phase
+from lexstack_bag.report.figure import Figure, letters
+from lexstack_bag.report.layout import grid as grid_layout
+from lexstack_bag.report.layout import vertical
+from lexstack_bag.report.traces import SERIES, Grid, Plain, line
+from lexstack_bag.run import Run
+
+SOURCE = "robot_b"  # whose chi is the target of a transition
+_BASE_NAMES = ("x", "y", "yaw")
+_BEFORE, _AFTER = 0.4, 0.8  # s, shown around the blend
+
+
+def switches(run: Run, phases: Sequence[Phase], grid: Grid) -> list[Figure]:
+    """Return one figure for every switch, as the paper's Figs. 6 to 8."""
+    return [
+        _switch(run, label, before, phase, grid)
+        for label, before, phase in zip(letters(phases), phases, phases[1:], strict=False)
+    ]
+
+
+def _switch(run: Run, label: str, before: Phase, phase: Phase, grid: Grid) -> Figure:
+    """Return the figure of one switch."""
+    arrival = phase.end if phase.adopted is None else phase.adopted
+    # Where B is not followed to the end of a blend, two seconds show what happens.
+    span = phase.start - _BEFORE, min(arrival + _AFTER, phase.end, phase.start + 4.0)
+    parts = run.team().slices
+    traces: list[Plain] = []
+    for column, part in enumerate(parts):
+        for row, (start, stop) in enumerate(((0, 3), (3, part.stop - part.start))):
+            plot = row * len(parts) + column + 1
+            joints = range(part.start + start, part.start + stop)
+            traces += _solutions(run, joints, plot, span, grid, legend=column == 0)
+    lines = [(phase.start, "solid"), (phase.adopted, "dot")]
+    shapes = [
+        vertical(time, f"x{column + 1}" if column else "x", dash)
+        for column in range(len(parts))
+        for time, dash in lines
+        if time is not None
+    ]
+    titles = [["base χ [m/s, rad/s]"] * len(parts), ["arm χ [rad/s]"] * len(parts)]
+    return Figure(
+        f"switch-{label.strip('()').lower()}",
+        f"{label} {before.stack} → {phase.stack}: χ<sub>B</sub> and the command",
+        f"Fig. {_paper_figure(label)} of the paper. Dashed: χ<sub>B</sub>, robot B's solution of "
+        f"<b>{phase.stack}</b>, which jumps at the trigger (solid vertical line). Solid: the "
+        "command, which goes to it smoothly; where the dotted line stands, robot A has taken the "
+        "stack over.",
+        traces,
+        grid_layout(titles, run.robots, 210, span, shapes),
+        linked=False,
+    )
+
+
+def _solutions(
+    run: Run,
+    joints: range,
+    plot: int,
+    span: tuple[float, float],
+    grid: Grid,
+    *,
+    legend: bool,
+) -> list[Plain]:
+    """Return chi_B dashed and the command solid for some joints of chi."""
+    command, source = run.chi[COMMANDER], run.chi.get(SOURCE)
+    base = len(joints) == len(_BASE_NAMES)
+    traces: list[Plain] = []
+    for k, joint in enumerate(joints):
+        name = _BASE_NAMES[k] if base else f"joint {k + 1}"
+        style: dict[str, Any] = {"row": plot, "legend": legend}
+        color = SERIES[k % len(SERIES)]
+        if source is not None and np.any((source.stamp >= span[0]) & (source.stamp <= span[1])):
+            series = grid.window(source.tick, source.chi[:, joint], *span)
+            dashed = {"legendgroup": name, "showlegend": False}
+            traces.append(
+                line(series, f"{name}, χ_B", color, dash="dash", width=1.3, **style) | dashed
+            )
+        series = grid.window(command.tick, command.chi[:, joint], *span)
+        traces.append(line(series, name, color, width=1.8, **style))
+    return traces
+
+
+def _paper_figure(label: str) -> str:
+    """Return the number of the paper's figure of a switch; it has three."""
+    return {"(A)": "6", "(B)": "7", "(C)": "8"}.get(label, "6 to 8")

@@ -1,0 +1,148 @@
+"""The recorder as a process: it misses nothing, and leaves a complete bag whatever stops it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
+
+from lexstack_bag.reader import read_run
+from lexstack_core.config.resolved import load_scenario
+
+ROOT = Path(__file__).resolve().parents[2]
+COUNT = 1500
+
+pytestmark = pytest.mark.system
+
+
+@pytest.fixture
+def environment() -> dict[str, str]:
+    """A ROS domain of this test's own."""
+    domain = str(20 + os.getpid() % 80)
+    own = {"ROS_DOMAIN_ID": domain, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    return {**os.environ, **own}
+
+
+@pytest.fixture
+def scenario(tmp_path) -> Path:
+    path = tmp_path / "scenario.yaml"
+    source = ROOT / "config/scenarios/transition-sequence.yaml"
+    path.write_text(load_scenario(source).to_yaml(), encoding="utf-8")
+    return path
+
+
+def start(command: list[str], environment: dict[str, str]) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, *command],
+        env=environment,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def recorder_command(output: Path, scenario: Path) -> list[str]:
+    parameters = ["-p", f"output:={output}", "-p", f"scenario:={scenario}"]
+    return ["-m", "lexstack_ros.nodes.recorder", "--ros-args", *parameters]
+
+
+@pytest.fixture
+def recorder(tmp_path, scenario, environment) -> Iterator[subprocess.Popen[str]]:
+    """A recorder that has said that it is ready."""
+    process = start(recorder_command(tmp_path / "bag", scenario), environment)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    yield process
+    process.kill()
+    process.communicate()
+
+
+@pytest.fixture
+def sent(recorder, environment) -> Iterator[dict[str, int]]:
+    """What was published and has arrived at the recorder, by topic."""
+    script = str(ROOT / "tests/system/recorder_publisher.py")
+    process = start([script, str(COUNT)], environment)
+    assert process.stdout is not None
+    line = process.stdout.readline()
+    assert line, process.communicate()[1]
+    yield json.loads(line)
+    process.communicate("stop\n", timeout=20)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_leaves_a_complete_bag(recorder, sent, tmp_path, number):
+    for _ in range(3):  # the impatient press Ctrl-C more than once
+        recorder.send_signal(number)
+        time.sleep(0.05)
+    _, log = recorder.communicate(timeout=20)
+    assert recorder.returncode == 0, log
+    assert "0 lost" in log
+    assert "Traceback" not in log
+
+    with AnyReader([tmp_path / "bag"]) as reader:  # checks the hashes of the types
+        counts = {c.topic: c.msgcount for c in reader.connections}
+        ticks = [
+            reader.deserialize(data, connection.msgtype).tick
+            for connection, _, data in reader.messages()
+            if connection.topic == "/plant/state"
+        ]
+    assert {topic: counts[topic] for topic in sent} == sent
+    assert ticks == list(range(COUNT))
+    with (tmp_path / "bag/bag_0.mcap").open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        assert sum(1 for _ in reader.iter_messages()) == sum(counts.values())
+        messages = list(reader.iter_messages(["/robot_a/chi"]))
+    assert [m.sequence for _, _, m in messages] == list(range(1, COUNT + 1))
+    assert all(m.publish_time <= m.log_time for _, _, m in messages)
+
+    information = yaml.safe_load((tmp_path / "bag/metadata.yaml").read_text())
+    information = information["rosbag2_bagfile_information"]
+    assert information["custom_data"] == {"recorder_lost": "0"}
+    offered = {
+        topic["topic_metadata"]["name"]: topic["topic_metadata"]["offered_qos_profiles"][0]
+        for topic in information["topics_with_message_count"]
+    }
+    assert offered["/robot_a/robot_description"]["durability"] == "transient_local"
+    assert offered["/found/by/itself"]["reliability"] == "best_effort"
+    assert read_run(tmp_path / "bag").lost == 0
+
+
+def test_a_killed_recorder_leaves_a_readable_bag(recorder, sent, tmp_path):
+    time.sleep(1.2)  # it hands complete chunks over once a second
+    recorder.kill()
+    recorder.communicate(timeout=20)
+    run = read_run(tmp_path / "bag")
+    assert not run.complete
+    assert run.lost == 0
+    assert COUNT // 2 < len(run.plant.tick) <= COUNT
+
+
+def test_a_bag_is_never_overwritten(tmp_path, scenario, environment):
+    (tmp_path / "bag").mkdir()
+    (tmp_path / "bag/bag_0.mcap").write_bytes(b"precious")
+    process = start(recorder_command(tmp_path / "bag", scenario), environment)
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 2
+    assert out == ""
+    assert err.strip().splitlines()[-1].endswith("is not empty; a bag is never overwritten")
+    assert "Traceback" not in err
+    assert (tmp_path / "bag/bag_0.mcap").read_bytes() == b"precious"
+
+
+def test_parameters_are_needed(environment):
+    process = start(["-m", "lexstack_ros.nodes.recorder"], environment)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 2
+    assert "parameter 'output'" in err
+    assert "Traceback" not in err

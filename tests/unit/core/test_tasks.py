@@ -1,0 +1,179 @@
+"""The tasks: what they ask for is what brings their error to zero."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from lexstack_core.build import build_references
+from lexstack_core.config.stack import LevelConfig, StackConfig, TaskConfig
+from lexstack_core.errors import ConfigurationError
+from lexstack_core.model import Pose
+from lexstack_core.references import References, ReferenceSchedule, Target
+from lexstack_core.stack import build_stack
+from lexstack_core.tasks import TASKS
+from lexstack_core.tasks.ee_pose import pose_error
+from support.scenario import home, random_q, resolved, state_at, team
+
+RNG = np.random.default_rng(2)
+DT = 0.01
+
+
+def make(kind, robot=0, **parameters):
+    return TASKS[kind](team(), robot, parameters, "here")
+
+
+def references(q=None):
+    schedule = ReferenceSchedule.from_scenario(
+        resolved().scenario, team(), home() if q is None else q
+    )
+    return schedule.at(0.0)
+
+
+@pytest.mark.parametrize("kind", sorted(TASKS))
+def test_every_task_has_rows_of_the_right_shape(kind):
+    q = random_q(RNG)
+    task = make(kind, robot=1)
+    linear = task.linearise(team().kinematics(state_at(q)), references())
+    assert linear.name == task.name == f"robot_b/{kind}"
+    assert linear.matrix.shape == (linear.lower.size, team().n)
+    np.testing.assert_array_equal(linear.lower, linear.upper)
+    assert not linear.matrix[:, :10].any(), "it concerns robot B alone"
+
+
+@pytest.mark.parametrize("kind", sorted(TASKS))
+def test_an_unknown_parameter_is_refused(kind):
+    with pytest.raises(ConfigurationError, match="here: unknown key 'wrong'"):
+        make(kind, wrong=1.0)
+
+
+@pytest.mark.parametrize("_", range(10))
+def test_ee_pose_drives_the_tool_to_its_reference(_):
+    """Following it exactly, the error shrinks by exp(-gain t), also from far away."""
+    goal = team().tools(random_q(RNG))[0]
+    q = random_q(RNG)
+    target = References((goal, goal), references().base)
+    task = make("ee_pose", gain=3.0, max_linear=100.0, max_angular=100.0)
+    kinematics = team().kinematics(state_at(q))
+    linear = task.linearise(kinematics, target)
+    # Moving the pose itself with the velocity asked for, for a short time:
+    step = 1e-4
+    now = kinematics.tools[0]
+    moved = Pose(
+        now.position + step * linear.lower[:3], pin.exp3(step * linear.lower[3:]) @ now.rotation
+    )
+    before, after = pose_error(now, goal), pose_error(moved, goal)
+    np.testing.assert_allclose(after, (1.0 - 3.0 * step) * before, atol=1e-6)
+
+
+def test_ee_pose_saturates_its_speed():
+    far = Pose(np.array([100.0, 0.0, 0.0]), np.diag([1.0, -1.0, -1.0]))
+    linear = make("ee_pose", max_linear=0.4, max_angular=0.7).linearise(
+        team().kinematics(state_at(random_q(RNG))), References((far, far), references().base)
+    )
+    assert np.linalg.norm(linear.lower[:3]) == pytest.approx(0.4)
+    assert np.linalg.norm(linear.lower[3:]) <= 0.7 + 1e-12
+
+
+def test_base_takes_the_short_way_round():
+    q = home()
+    q[2] = np.pi - 0.1
+    base = (np.array([0.0, 0.0, -np.pi + 0.1]), np.zeros(3))
+    linear = make("base", gain=2.0).linearise(
+        team().kinematics(state_at(q)), References(references().ee, base)
+    )
+    np.testing.assert_allclose(linear.lower, [0.0, 0.0, 0.4], atol=1e-12)
+
+
+def test_base_and_posture_use_q_star_not_q():
+    q, q_star = random_q(RNG), random_q(RNG)
+    state = state_at(q)
+    state = type(state)(state.tick, state.stamp, q, state.v, q_star, state.command)
+    kinematics = team().kinematics(state)
+    refs = references()
+    base = make("base", gain=1.0).linearise(kinematics, refs)
+    np.testing.assert_allclose(base.lower[:2], refs.base[0][:2] - q_star[:2])
+    posture = make("posture", gain=1.0, target=[0.1] * 7).linearise(kinematics, refs)
+    np.testing.assert_allclose(posture.lower, 0.1 - q_star[3:10])
+    np.testing.assert_array_equal(posture.matrix @ np.arange(20.0), np.arange(3.0, 10.0))
+
+
+def test_posture_goes_to_mid_range_by_default():
+    limits = team().limits
+    middle = 0.5 * (limits.position_lower[3:10] + limits.position_upper[3:10])
+    q = home()
+    q[3:10] = middle
+    linear = make("posture").linearise(team().kinematics(state_at(q)), references())
+    np.testing.assert_allclose(linear.lower, 0.0, atol=1e-12)
+
+
+def test_posture_refuses_a_target_of_the_wrong_length():
+    with pytest.raises(ConfigurationError, match="here: target: expected 7 values, got 2"):
+        make("posture", target=[0.0, 0.0])
+
+
+def test_minimum_velocity_weighs_base_and_arm():
+    linear = make("minimum_velocity", base_cost=2.0, arm_cost=3.0).linearise(
+        team().kinematics(state_at(home())), references()
+    )
+    np.testing.assert_array_equal(np.diag(linear.matrix[:, :10]), [2.0] * 3 + [3.0] * 7)
+
+
+# ---- stacks
+
+
+def stack(*levels):
+    return StackConfig("test", "", tuple(LevelConfig(tuple(level)) for level in levels))
+
+
+def test_a_task_without_a_robot_stands_for_every_robot():
+    built = build_stack(stack([TaskConfig("ee_pose")], [TaskConfig("base", "robot_b")]), team())
+    names = [[task.name for task in level.tasks] for level in built.levels]
+    assert names == [["robot_a/ee_pose", "robot_b/ee_pose"], ["robot_b/base"]]
+
+
+def test_a_weight_scales_the_squared_residual():
+    built = build_stack(stack([TaskConfig("base", "robot_a", weight=4.0)]), team())
+    plain = build_stack(stack([TaskConfig("base", "robot_a")]), team())
+    kinematics, chi = team().kinematics(state_at(home())), RNG.normal(size=20)
+    heavy = built.linearise(kinematics, references())[0][0].residual(chi)
+    light = plain.linearise(kinematics, references())[0][0].residual(chi)
+    assert heavy @ heavy == pytest.approx(4.0 * light @ light)
+
+
+@pytest.mark.parametrize(
+    ("levels", "message"),
+    [
+        ([[TaskConfig("dance")]], "unknown task 'dance'; known: base, ee_pose"),
+        ([[TaskConfig("base", "robot_c")]], "unknown robot 'robot_c'"),
+        ([[TaskConfig("base")], [TaskConfig("base")]], "'robot_a/base' stands in it twice"),
+        ([[TaskConfig("base", parameters={"gain": -1.0})]], "gain: must be finite and > 0"),
+    ],
+)
+def test_a_wrong_stack_is_refused(levels, message):
+    with pytest.raises(ConfigurationError) as error:
+        build_stack(stack(*levels), team())
+    assert message in str(error.value)
+
+
+# ---- references
+
+
+def test_targets_take_effect_at_their_time():
+    schedule = build_references(resolved(), team())
+    pose = Pose(np.array([1.0, 2.0, 3.0]), np.eye(3))
+    schedule.add(Target(2.0, 0, base=np.array([5.0, 5.0, 0.0])))
+    schedule.add(Target(1.0, 1, ee=pose))
+    first = schedule.at(0.99)
+    assert schedule.at(0.995) is first, "unchanged references are the same object"
+    second = schedule.at(1.0)
+    assert second.ee[1] is pose
+    assert second.ee[0] is first.ee[0]
+    np.testing.assert_array_equal(schedule.at(2.0).base[0], [5.0, 5.0, 0.0])
+    np.testing.assert_array_equal(first.base[0], [0.0, -0.5, 0.0])
+
+
+def test_of_two_targets_for_one_time_the_later_wins():
+    schedule = build_references(resolved(), team())
+    for x in (1.0, 2.0):
+        schedule.add(Target(1.0, 0, base=np.array([x, 0.0, 0.0])))
+    assert schedule.at(1.0).base[0][0] == 2.0

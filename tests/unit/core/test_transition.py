@@ -1,0 +1,159 @@
+"""The parts of a transition: profiles, bridge, requests, announcements."""
+
+import dataclasses
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from lexstack_core.linear import LinearTask
+from lexstack_core.transition.bridge import bridged, latch, same_level
+from lexstack_core.transition.profile import PROFILES, alpha
+from lexstack_core.transition.request import MAX_SCHEDULED, RequestBook
+from lexstack_core.transition.status import Announcement, SourceSchedule
+from support.scenario import resolved
+
+RNG = np.random.default_rng(3)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_profiles_rise_from_0_to_1_and_stay(name):
+    values = [alpha(name, t, 2.0) for t in np.linspace(-1.0, 3.0, 401)]
+    assert values[0] == values[100] == 0.0
+    assert values[300] == pytest.approx(1.0)
+    assert values[-1] == pytest.approx(1.0)
+    assert all(b >= a - 1e-15 for a, b in pairwise(values))
+    assert alpha(name, 1.0, 2.0) == pytest.approx(0.5)
+
+
+def test_the_quintic_starts_and_ends_without_acceleration():
+    h = 1e-4
+    for s in (0.0, 1.0 - 2 * h):
+        a, b, c = (PROFILES["quintic"](s + k * h) for k in range(3))
+        assert abs(c - 2 * b + a) / h**2 < 0.05  # 10 pi^2 / ... of the cosine: 4.9
+        assert abs(b - a) / h < 1e-5
+
+
+def level():
+    rows = RNG.normal(size=(4, 6))
+    low = RNG.normal(size=4)
+    return (
+        LinearTask.equality("a", rows[:3], low[:3]),
+        LinearTask("b", rows[3:], low[3:] - 0.1, low[3:] + 0.1),
+    )
+
+
+def test_at_alpha_0_the_last_command_is_the_optimum_and_at_1_the_source():
+    command, source, tasks = RNG.normal(size=6), RNG.normal(size=6), level()
+    bridge = latch(command, source, tasks, level_goes_on=False)
+    first, (follow,) = bridged(bridge, tasks, source, 0.0)
+    for task in (*first, follow):
+        np.testing.assert_allclose(task.residual(command), 0.0, atol=1e-12)
+    first, (follow,) = bridged(bridge, tasks, source, 1.0)
+    np.testing.assert_allclose(follow.residual(source), 0.0, atol=1e-12)
+    for task, plain in zip(first, tasks, strict=True):
+        np.testing.assert_array_equal(task.lower, plain.lower)
+        np.testing.assert_array_equal(task.upper, plain.upper)
+
+
+def test_a_level_that_goes_on_is_not_touched():
+    command, source, tasks = RNG.normal(size=6), RNG.normal(size=6), level()
+    first, _ = bridged(latch(command, source, tasks, level_goes_on=True), tasks, source, 0.3)
+    assert first is tasks
+
+
+def test_same_level_sees_every_difference():
+    tasks = level()
+    assert same_level(tasks, tasks)
+    assert not same_level(tasks, tasks[:1])
+    other = dataclasses.replace(tasks[1], upper=tasks[1].upper + 1e-9)
+    assert not same_level(tasks, (tasks[0], other))
+    assert not same_level(tasks, (dataclasses.replace(tasks[0], name="x"), tasks[1]))
+
+
+# ---- requests
+
+
+def book():
+    return RequestBook(("track", "posture"), resolved().scenario.transition)
+
+
+def test_a_request_takes_the_configured_values():
+    answer = book().ask("posture", 0.0, "", 0, now=41)
+    assert answer.accepted
+    request = answer.request
+    assert (request.id, request.at_tick, request.method) == (1, 42, "bridge")
+    assert request.duration == resolved().scenario.transition.duration
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (("dance", 0.0, "", 0), "unknown stack 'dance'; known: posture, track"),
+        (("track", -1.0, "", 0), "duration: must be in [0, 60] s"),
+        (("track", float("nan"), "", 0), "duration"),
+        (("track", float("inf"), "", 0), "duration"),
+        (("track", 61.0, "", 0), "duration"),
+        (("track", 0.0, "jump", 0), "unknown method 'jump'; known: bridge"),
+        (("track", 0.0, "", 10), "at_tick: 10 is over; the present tick is 10"),
+    ],
+)
+def test_a_wrong_request_is_refused_with_its_reason(values, message):
+    requests = book()
+    answer = requests.ask(*values, now=10)
+    assert not answer.accepted
+    assert message in answer.message
+    assert answer.request is None
+    assert requests.scheduled == ()
+
+
+def test_requests_are_due_in_the_order_of_their_ticks():
+    requests = book()
+    for tick in (30, 10, 20):
+        requests.ask("track", 0.0, "", tick, now=0)
+    assert [r.at_tick for r in requests.scheduled] == [10, 20, 30]
+    assert requests.due(9) is None
+    assert requests.peek(20).id == 3
+    assert requests.due(20).id == 3, "the newest of those due, the earlier are overtaken"
+    assert [r.at_tick for r in requests.scheduled] == [30]
+
+
+def test_a_later_request_for_the_same_tick_replaces():
+    requests = book()
+    requests.ask("track", 0.0, "", 10, now=0)
+    requests.ask("posture", 0.0, "", 10, now=0)
+    assert [(r.id, r.stack) for r in requests.scheduled] == [(2, "posture")]
+
+
+def test_a_flood_is_refused_but_the_last_word_counts():
+    requests = book()
+    for tick in range(1, MAX_SCHEDULED + 1):
+        assert requests.ask("track", 0.0, "", tick, now=0).accepted
+    assert not requests.ask("track", 0.0, "", MAX_SCHEDULED + 1, now=0).accepted
+    assert requests.ask("posture", 0.0, "", 5, now=0).accepted
+    for _ in range(1000):
+        assert requests.ask("posture", 0.0, "", 0, now=0).accepted
+    assert len(requests.scheduled) == MAX_SCHEDULED
+
+
+# ---- the source's side
+
+
+def test_the_source_solves_the_newest_stack_whose_tick_has_come():
+    schedule = SourceSchedule()
+    one = Announcement(1, "track", 10, active=True)
+    two = Announcement(2, "posture", 20, active=True)
+    schedule.hear(two)
+    schedule.hear(one)
+    assert schedule.current(9) is None
+    assert schedule.current(10) is one
+    assert schedule.current(20) is two
+    schedule.hear(dataclasses.replace(two, active=False))
+    assert schedule.current(21) is None, "what it replaced does not come back"
+
+
+def test_an_announcement_that_is_withdrawn_is_forgotten():
+    schedule = SourceSchedule()
+    schedule.hear(Announcement(1, "track", 10, active=True))
+    schedule.hear(Announcement(1, "track", 10, active=False))
+    assert schedule.current(10) is None

@@ -1,0 +1,67 @@
+"""Deadlines in lockstep and realtime, on a clock of the test's own."""
+
+from __future__ import annotations
+
+import pytest
+
+from lexstack_sim.pacing import Pacer
+
+PERIOD, PATIENCE = 0.01, 2.0
+
+
+def test_lockstep_waits_long_until_a_command_was_missed():
+    pacer = Pacer("lockstep", PERIOD, PATIENCE)
+    pacer.start(5.0)
+    pacer.begin(5.0)
+    assert pacer.deadline == pytest.approx(5.0 + PATIENCE)
+    pacer.missed()
+    pacer.begin(7.0)
+    assert pacer.deadline == pytest.approx(7.0 + PERIOD)
+
+
+def test_lockstep_waits_long_again_once_any_command_came():
+    pacer = Pacer("lockstep", PERIOD, PATIENCE)
+    pacer.start(0.0)
+    pacer.begin(0.0)
+    pacer.missed()
+    pacer.begin(2.0)
+    pacer.answered()
+    assert pacer.deadline == pytest.approx(2.0 + PATIENCE)
+    pacer.begin(2.001)
+    assert pacer.deadline == pytest.approx(2.001 + PATIENCE)
+
+
+def test_realtime_deadlines_do_not_drift():
+    pacer = Pacer("realtime", PERIOD, PATIENCE)
+    pacer.start(1.0)
+    for tick in range(1000):
+        pacer.begin(1.0 + tick * PERIOD + 0.001)  # each a little late
+        assert pacer.deadline == pytest.approx(1.0 + (tick + 1) * PERIOD)
+    assert pacer.late_ticks == 0
+
+
+def test_realtime_catches_up_and_leaves_half_a_period_to_each_command():
+    pacer = Pacer("realtime", PERIOD, PATIENCE)
+    pacer.start(0.0)
+    pacer.begin(0.0)
+    now, times = 0.027, []  # ticks 1 and 2 are over already
+    for _ in range(6):
+        pacer.begin(now)
+        assert pacer.deadline - now >= 0.5 * PERIOD - 1e-12
+        now = pacer.deadline
+        times.append(now)
+    assert times[-1] == pytest.approx(7 * PERIOD)  # back on the schedule, nothing skipped
+    assert pacer.late_ticks == 3
+    assert pacer.restarts == 0
+
+
+def test_realtime_starts_anew_when_far_behind():
+    pacer = Pacer("realtime", PERIOD, PATIENCE)
+    pacer.start(0.0)
+    pacer.begin(0.0)
+    pacer.begin(3.0)
+    assert pacer.restarts == 1
+    assert pacer.late_ticks == 1
+    assert pacer.deadline == pytest.approx(3.0 + PERIOD)
+    pacer.begin(3.0 + PERIOD)
+    assert pacer.late_ticks == 1
