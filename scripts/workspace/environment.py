@@ -53,6 +53,9 @@ def shell_script(root: Path, ros: Ros, python: str) -> str:
         f"export LEXSTACK_ROOT={quote(str(root))}",
         f"export VIRTUAL_ENV={quote(str(root / '.venv'))}",
         'export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"',
+        "# The matrices are small: threads would only cost time, and change the last bits.",
+        'export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"',
+        'export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"',
         "unset PYTHONHOME",
     ]
     if ros.prefix is None:

@@ -21,7 +21,7 @@ from lexstack_ros.conversions import check_robots, to_vector
 from lexstack_ros.diagnostics import Diagnostics, Health
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.qos import STREAM
-from lexstack_ros.readiness import READY
+from lexstack_ros.readiness import Readiness
 from lexstack_ros.spin import run_node
 from lexstack_sim.cycle import Cycle
 from lexstack_sim.memory import Status
@@ -65,7 +65,7 @@ class SimBridge(Node):
         else:
             self._cycle.resume()
         self._arm()
-        print(READY, flush=True)
+        self._readiness = Readiness(self, hears_plant=True)
 
     # ---- the tick
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import importlib
 import os
+import sys
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self
@@ -198,8 +199,14 @@ def _gl_context(width: int, height: int) -> Any:
     for name in (wanted,) if wanted in _LIBRARIES else _LIBRARIES:
         try:
             ctypes.CDLL(_LIBRARIES[name])
-            os.environ["PYOPENGL_PLATFORM"] = name
+            # The one is read by PyOpenGL, the other by MuJoCo's own loader of OpenGL.
+            os.environ["PYOPENGL_PLATFORM"] = os.environ["MUJOCO_GL"] = name
             return importlib.import_module(f"mujoco.{name}").GLContext(width, height)
         except Exception as error:  # noqa: BLE001 - OpenGL raises whatever it likes
             reasons.append(f"{name}: {error}")
+            for variable in ("PYOPENGL_PLATFORM", "MUJOCO_GL"):
+                os.environ.pop(variable, None)
+            # PyOpenGL stays with the platform it was first imported for.
+            for module in [key for key in sys.modules if key.partition(".")[0] == "OpenGL"]:
+                del sys.modules[module]
     raise RenderError(f"no offscreen rendering ({_ADVICE}): {'; '.join(reasons)}")

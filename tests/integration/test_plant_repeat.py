@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -38,27 +39,17 @@ def toward(plant, tick):
 def test_two_runs_and_two_processes_agree_to_the_bit():
     here = digest()
     assert here == digest()
-    command = [
-        sys.executable,
-        "-c",
-        "import runpy,sys; m = runpy.run_path(sys.argv[1]); print(m['digest']())",
-    ]
+    code = "import runpy, sys; print(runpy.run_path(sys.argv[1])['digest']())"
+    tests = str(Path(__file__).parents[1])
+    paths = os.pathsep.join([tests, os.environ.get("PYTHONPATH", "")])
     done = subprocess.run(
-        [*command, str(Path(__file__))],
-        cwd=Path(__file__).parents[1],
-        env=environment(),
+        [sys.executable, "-c", code, __file__],
+        env=os.environ | {"PYTHONPATH": paths},
         capture_output=True,
         text=True,
         check=True,
     )
     assert done.stdout.strip() == here
-
-
-def environment():
-    import os
-
-    tests = str(Path(__file__).parents[1])
-    return os.environ | {"PYTHONPATH": os.pathsep.join([tests, os.environ.get("PYTHONPATH", "")])}
 
 
 def test_a_reset_plant_repeats_its_run():
@@ -81,9 +72,8 @@ def test_a_restored_plant_goes_on_exactly_as_before():
     futures = []
     for _ in range(2):
         states = [plant.step(toward(plant, tick)) for tick in range(51, 120)]
-        futures.append(
-            (np.array([s.q for s in states]), plant.effort, plant.counters, plant.contacts)
-        )
+        path = np.array([state.q for state in states])
+        futures.append((path, plant.effort, plant.counters, plant.contacts))
         at = plant.restore(saved)
         assert at.tick == 51
     np.testing.assert_array_equal(futures[0][0], futures[1][0])

@@ -8,6 +8,7 @@ import time
 from array import array
 
 import rclpy
+from geometry_msgs.msg import PoseStamped
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
@@ -34,6 +35,9 @@ def main() -> None:
         ),
         "/found/by/itself": node.create_publisher(String, "/found/by/itself", careless),
     }
+    publishers["/robot_b/ee_target"] = node.create_publisher(
+        PoseStamped, "/robot_b/ee_target", careless
+    )
     publishers["/robot_a/robot_description"].publish(String(data="<robot/>"))
     deadline = time.monotonic() + 20.0
     while not all(p.get_subscription_count() for p in publishers.values()):
@@ -50,6 +54,8 @@ def main() -> None:
         )
         if tick % 10 == 0:
             publishers["/found/by/itself"].publish(String(data=str(tick)))
+        if tick == 10:
+            publishers["/robot_b/ee_target"].publish(PoseStamped())
         time.sleep(0.0005)
     for publisher in (publishers["/plant/state"], publishers["/robot_a/chi"]):
         publisher.wait_for_all_acked(Duration(seconds=10.0))
@@ -57,6 +63,7 @@ def main() -> None:
         "/plant/state": COUNT,
         "/robot_a/chi": COUNT,
         "/robot_a/robot_description": 1,
+        "/robot_b/ee_target": 1,
         "/found/by/itself": -(-COUNT // 10),
     }
     print(json.dumps(counts), flush=True)

@@ -18,6 +18,7 @@ from rosbags.highlevel import AnyReader
 
 from lexstack_bag.reader import read_run
 from lexstack_core.config.resolved import load_scenario
+from lexstack_ros.domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
 COUNT = 1500
@@ -26,11 +27,11 @@ pytestmark = pytest.mark.system
 
 
 @pytest.fixture
-def environment() -> dict[str, str]:
+def environment() -> Iterator[dict[str, str]]:
     """A ROS domain of this test's own."""
-    domain = str(20 + os.getpid() % 80)
-    own = {"ROS_DOMAIN_ID": domain, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-    return {**os.environ, **own}
+    with own_domain() as domain:
+        own = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+        yield {**os.environ, **own}
 
 
 @pytest.fixture
@@ -115,6 +116,8 @@ def test_a_signal_leaves_a_complete_bag(recorder, sent, tmp_path, number):
     }
     assert offered["/robot_a/robot_description"]["durability"] == "transient_local"
     assert offered["/found/by/itself"]["reliability"] == "best_effort"
+    # The recorder had asked for reliable before this publisher came.
+    assert offered["/robot_b/ee_target"]["reliability"] == "best_effort"
     assert read_run(tmp_path / "bag").lost == 0
 
 

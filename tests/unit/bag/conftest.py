@@ -257,5 +257,11 @@ def killed(tmp_path_factory: pytest.TempPathFactory, resolved: ResolvedScenario)
 
 
 @pytest.fixture(scope="session")
-def messages() -> Messages:
-    return Messages()
+def plant_alone(tmp_path_factory: pytest.TempPathFactory, resolved: ResolvedScenario) -> Synthetic:
+    """A bag with the plant's states and nothing else: robot A died at once."""
+    folder = tmp_path_factory.mktemp("alone") / "bag"
+    with BagWriter(folder, run_facts(resolved)) as writer:
+        maker = Maker(writer, resolved)
+        for tick in range(20):
+            maker.plant(tick)
+    return Synthetic(folder, resolved, maker.counts, {})

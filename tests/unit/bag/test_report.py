@@ -120,18 +120,20 @@ def test_without_pictures_it_says_why(html):
 def test_pictures_are_embedded(synthetic, monkeypatch):
     from types import SimpleNamespace
 
+    from lexstack_bag.measures import measure
     from lexstack_bag.phases import find_phases
     from lexstack_bag.reader import read_run
 
     asked = []
 
-    def snapshots(resolved, qs):
+    def snapshots(resolved, qs, targets):
         asked.extend(qs)
+        assert all(list(by_robot) == ["robot_a", "robot_b"] for by_robot in targets)
         return [np.zeros((4, 6, 3), np.uint8) for _ in qs]
 
     monkeypatch.setitem(sys.modules, "lexstack_sim.render", SimpleNamespace(snapshots=snapshots))
     run = read_run(synthetic.folder)
-    shots, reason = pictures.pictures(run, find_phases(run))
+    shots, reason = pictures.pictures(run, measure(run), find_phases(run))
     assert reason == ""
     assert len(shots) == 2
     assert shots[0].caption.startswith("<b>(A)</b> 1.00 s")
@@ -170,3 +172,13 @@ def test_help():
     done = command("--help")
     assert done.returncode == 0
     assert "report.html" in done.stdout
+
+
+def test_a_run_without_a_command_is_analysed_as_well(plant_alone, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "lexstack_sim.render", None)
+    metrics = analyze(plant_alone.folder, tmp_path)
+    assert metrics.ticks == 0
+    assert metrics.peak_acceleration_ratio is None
+    assert [phase.stack for phase in metrics.phases] == ["track"]
+    assert metrics.solve_us["robot_a"] == {"median": None, "p99": None}
+    assert len(figures((tmp_path / "report.html").read_text(encoding="utf-8"))) == 5

@@ -8,6 +8,7 @@ import pytest
 import yaml
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
+from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from lexstack_bag.errors import BagError
@@ -52,6 +53,14 @@ def test_mcap_finds_summary_statistics_index_and_checksums(synthetic, mcap_file)
         assert sum(1 for _ in reader.iter_messages()) == total
         only = sum(1 for _ in reader.iter_messages(topics=["/robot_b/chi"]))
         assert only == synthetic.counts["/robot_b/chi"]
+
+
+def test_mcaps_ros2_decoder_reads_the_definitions(mcap_file):
+    with mcap_file.open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        messages = reader.iter_decoded_messages(topics=["/robot_a/transition"])
+        last = [decoded for _, _, _, decoded in messages][-1]
+    assert (last.tick, last.to_stack, last.alpha) == (399, "reach_base", 1.0)
 
 
 def test_every_chunk_has_a_checksum(mcap_file):

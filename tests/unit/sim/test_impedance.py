@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 from lexstack_sim.impedance import ImpedanceLoop
-from support.plants import the_scenario, the_team
+from support.scenario import resolved, team
 
 PERIOD = 0.001
 ARMS = np.r_[3:10, 13:20]
@@ -16,19 +16,19 @@ BASES = np.r_[0:3, 10:13]
 
 @pytest.fixture
 def home():
-    return the_team().home(the_scenario())
+    return team().home(resolved())
 
 
 @pytest.fixture
 def loop(home):
-    loop = ImpedanceLoop(the_team(), PERIOD, np.zeros(the_team().n))
+    loop = ImpedanceLoop(team(), PERIOD, np.zeros(team().n))
     loop.reset(home)
     return loop
 
 
 def gravity(q):
     torques = []
-    for robot, part in zip(the_team().robots, the_team().slices, strict=True):
+    for robot, part in zip(team().robots, team().slices, strict=True):
         model = robot.pinocchio
         torques.append(pin.computeGeneralizedGravity(model, model.createData(), q[part]))
     return np.concatenate(torques)
@@ -46,7 +46,7 @@ def test_torques_are_stiffness_damping_and_gravity(loop, home):
     rng = np.random.default_rng(0)
     v, v_star = 0.01 * rng.standard_normal((2, home.size))
     q_star = home + 1e-3 * rng.standard_normal(home.size)
-    arm = the_scenario().robots["panda_summit"].arm
+    arm = resolved().robots["panda_summit"].arm
     stiffness, damping = np.tile(arm.stiffness, 2), np.tile(arm.damping, 2)
     wanted = gravity(home)
     wanted[ARMS] += stiffness * (q_star - home)[ARMS] + damping * (v_star - v)[ARMS]
@@ -56,10 +56,11 @@ def test_torques_are_stiffness_damping_and_gravity(loop, home):
     np.testing.assert_array_equal(loop.control[BASES], v_star[BASES])
 
 
-def test_torque_changes_by_at_most_its_rate(loop, home):
-    arm = the_scenario().robots["panda_summit"].arm
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_torque_changes_by_at_most_its_rate(loop, home, side):
+    arm = resolved().robots["panda_summit"].arm
     rate = np.tile(arm.torque_rate, 2)
-    far, still = home + 0.05, np.zeros(home.size)
+    far, still = home + side * 0.05, np.zeros(home.size)
     fastest = 0.0
     for _ in range(40):
         before = loop.control.copy()
@@ -70,9 +71,10 @@ def test_torque_changes_by_at_most_its_rate(loop, home):
     assert fastest > 0.999  # the limit was reached, so the test means something
 
 
-def test_torque_stays_within_its_limit(loop, home):
-    limit = np.tile(the_scenario().robots["panda_summit"].arm.torque, 2)
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_torque_stays_within_its_limit(loop, home, side):
+    limit = np.tile(resolved().robots["panda_summit"].arm.torque, 2)
     still = np.zeros(home.size)
     for _ in range(500):
-        loop.update(home, still, home + 5.0, still)
-    np.testing.assert_allclose(loop.control[ARMS], limit)
+        loop.update(home, still, home + side * 5.0, still)
+    np.testing.assert_allclose(loop.control[ARMS], side * limit)

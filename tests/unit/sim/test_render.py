@@ -9,7 +9,7 @@ from lexstack_core.model import Pose
 from lexstack_core.model.description import description_path
 from lexstack_sim import render
 from lexstack_sim.collada import read_collada
-from support.plants import the_scenario, the_team
+from support.scenario import resolved, team
 
 
 def is_orange(image):
@@ -23,13 +23,13 @@ def is_blue(image):
 
 
 def test_both_robots_are_seen_where_they_are():
-    home = the_team().home(the_scenario())
+    home = team().home(resolved())
     apart = home.copy()
     apart[1], apart[11] = -0.5, 0.5
     target = Pose(np.array([1.0, 0.0, 0.9]), np.eye(3))
     try:
         images = render.snapshots(
-            the_scenario(), [home, apart, apart], [{}, {}, {"robot_a": target}], size=(480, 270)
+            resolved(), [home, apart, apart], [{}, {}, {"robot_a": target}], size=(480, 270)
         )
     except render.RenderError as error:
         pytest.skip(str(error))
@@ -51,7 +51,7 @@ def test_both_robots_are_seen_where_they_are():
 def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch):
     monkeypatch.setattr(render, "_LIBRARIES", {"egl": "libnowhere.so.1"})
     with pytest.raises(render.RenderError, match="install libegl1"):
-        render.snapshots(the_scenario(), [the_team().home(the_scenario())])
+        render.snapshots(resolved(), [team().home(resolved())])
 
 
 def test_meshes_keep_their_colours_and_their_size():

@@ -6,11 +6,11 @@ import numpy as np
 import pinocchio as pin
 
 from lexstack_sim.urdf import robot_urdf
-from support.plants import the_scenario, the_team
+from support.scenario import resolved, team
 
 
 def test_a_urdf_parser_finds_the_same_robot():
-    robot = the_team().robots[0]
+    robot = team().robots[0]
     parsed = pin.buildModelFromXML(robot_urdf(robot))
     fixed = robot.config.arm.fixed
     posture = pin.neutral(parsed)
@@ -20,7 +20,7 @@ def test_a_urdf_parser_finds_the_same_robot():
     assert tuple(model.names[1:]) == robot.joints
     model.armature = robot.pinocchio.armature
     rng = np.random.default_rng(0)
-    home = the_team().home(the_scenario())[the_team().slices[0]]
+    home = team().home(resolved())[team().slices[0]]
     for _ in range(20):
         q = home + rng.uniform(-0.5, 0.5, robot.n)
         theirs = np.concatenate([q[:2], [np.cos(q[2]), np.sin(q[2])], q[3:]])

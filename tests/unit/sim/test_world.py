@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 from lexstack_sim.world import body_name, build_world
-from support.plants import the_scenario, the_team
+from support.scenario import home, team
 
 SAMPLES = 1000
 AGREEMENT = 1e-9
@@ -16,18 +16,18 @@ AGREEMENT = 1e-9
 
 @pytest.fixture(scope="module")
 def world():
-    return build_world(the_team())
+    return build_world(team())
 
 
 def random_configuration(rng):
-    limits = the_team().limits
+    limits = team().limits
     lower = np.where(np.isfinite(limits.position_lower), limits.position_lower, -4.0)
     upper = np.where(np.isfinite(limits.position_upper), limits.position_upper, 4.0)
     return rng.uniform(lower, upper)
 
 
 def test_kinematics_mass_matrix_and_gravity_agree_with_pinocchio(world):
-    team, data = the_team(), mujoco.MjData(world)
+    robots, data = team(), mujoco.MjData(world)
     rng = np.random.default_rng(0)
     mass = np.zeros((world.nv, world.nv))
     worst = dict.fromkeys(("position", "rotation", "mass", "gravity"), 0.0)
@@ -37,7 +37,7 @@ def test_kinematics_mass_matrix_and_gravity_agree_with_pinocchio(world):
         mujoco.mj_fwdPosition(world, data)
         mujoco.mj_fwdVelocity(world, data)
         mujoco.mj_fullM(world, data, mass)
-        for robot, part in zip(team.robots, team.slices, strict=True):
+        for robot, part in zip(robots.robots, robots.slices, strict=True):
             model, own = robot.pinocchio, robot.pinocchio.createData()
             pin.forwardKinematics(model, own, q[part])
             for joint in range(3, model.njoints):
@@ -60,20 +60,20 @@ def symmetric(upper):
 
 
 def test_velocity_products_agree_too(world):
-    team, data = the_team(), mujoco.MjData(world)
+    robots, data = team(), mujoco.MjData(world)
     rng = np.random.default_rng(1)
     for _ in range(20):
-        q, v = random_configuration(rng), rng.uniform(-1.0, 1.0, team.n)
+        q, v = random_configuration(rng), rng.uniform(-1.0, 1.0, robots.n)
         data.qpos[:], data.qvel[:] = q, v
         mujoco.mj_forward(world, data)
-        for robot, part in zip(team.robots, team.slices, strict=True):
+        for robot, part in zip(robots.robots, robots.slices, strict=True):
             model, own = robot.pinocchio, robot.pinocchio.createData()
             bias = pin.nonLinearEffects(model, own, q[part], v[part])
             np.testing.assert_allclose(data.qfrc_bias[part], bias, atol=1e-9)
 
 
 def test_joints_and_actuators_are_those_of_chi_in_its_order(world):
-    names = [f"{robot.name}/{joint}" for robot in the_team().robots for joint in robot.joints]
+    names = [f"{robot.name}/{joint}" for robot in team().robots for joint in robot.joints]
     assert [world.joint(i).name for i in range(world.njnt)] == names
     assert [world.actuator(i).name for i in range(world.nu)] == names
 
@@ -84,7 +84,7 @@ def test_the_jacobian_is_dense_and_a_divergence_does_not_reset(world):
 
 
 def test_looks_change_no_mass_and_no_contact(world):
-    seen = build_world(the_team(), looks=True)
+    seen = build_world(team(), looks=True)
     assert seen.ngeom > world.ngeom
     np.testing.assert_array_equal(seen.body_mass, world.body_mass)
     np.testing.assert_array_equal(seen.body_inertia, world.body_inertia)
@@ -94,7 +94,7 @@ def test_looks_change_no_mass_and_no_contact(world):
 
 def test_nothing_touches_where_the_scenario_starts(world):
     data = mujoco.MjData(world)
-    data.qpos[:] = the_team().home(the_scenario())
+    data.qpos[:] = home()
     mujoco.mj_forward(world, data)
     assert data.ncon == 0
 
@@ -108,7 +108,7 @@ def test_nothing_touches_where_the_scenario_starts(world):
 )
 def test_an_arm_touches_its_own_platform_and_shoulder(world, configuration, touches):
     data = mujoco.MjData(world)
-    data.qpos[:] = the_team().home(the_scenario())
+    data.qpos[:] = home()
     for joint, angle in configuration.items():
         data.qpos[joint] = angle
     mujoco.mj_forward(world, data)

@@ -5,16 +5,16 @@ Shapes: T ticks of the plant, K ticks of robot A's command, N robots, n the leng
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_bag.run import Run, Target
+from lexstack_bag.references import references_in_effect
+from lexstack_bag.run import Run
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
-from lexstack_core.rotation import from_quaternion
+from lexstack_core.references import References
 
 COMMANDER = "robot_a"  # whose chi is the command
 _MM = 1e3
@@ -26,6 +26,7 @@ class Measures:
     """A run's time series, from measured positions and the recorded command."""
 
     time: Vector  # (T,) s, simulated
+    references: tuple[References, ...]  # T of them
     ee: NDArray[np.float64]  # (T, N, 3) m, measured tool positions
     ee_target: NDArray[np.float64]  # (T, N, 3) m
     base: NDArray[np.float64]  # (T, N, 3) m, m, rad
@@ -43,13 +44,15 @@ def measure(run: Run) -> Measures:
     team = run.team()
     q, time = run.plant.q, run.plant.stamp
     ee = np.array([[pose.position for pose in team.tools(row)] for row in q])
-    ee = ee.reshape(len(q), len(team.names), 3)
     base = np.stack([q[:, part][:, :3] for part in team.slices], axis=1)
-    ee_target, base_target = _references(run, team)
+    references = references_in_effect(run, team)
+    ee_target = np.array([[pose.position for pose in now.ee] for now in references])
+    base_target = np.array([now.base for now in references])
     yaw = base[:, :, 2] - base_target[:, :, 2]
     acceleration, jerk = _ratios(run, team)
     return Measures(
         time,
+        references,
         ee,
         ee_target,
         base,
@@ -61,38 +64,6 @@ def measure(run: Run) -> Measures:
         acceleration,
         jerk,
     )
-
-
-def _references(run: Run, team: Team) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the references in effect at every tick: (T, N, 3) end effectors and bases."""
-    scenario = run.resolved.scenario
-    start = team.tools(team.home(run.resolved))
-    ee, base = [], []
-    for name, pose in zip(team.names, start, strict=True):
-        own = scenario.ee_target.get(name)
-        first = pose.position if own is None else np.array(own.position)
-        ee.append(_held(run, name, "ee", first, lambda target: target.position))
-        place = scenario.base_target.get(name, scenario.robots[name].base)
-        base.append(_held(run, name, "base", np.array(place), _planar))
-    return np.stack(ee, axis=1), np.stack(base, axis=1)
-
-
-def _held(
-    run: Run, robot: str, kind: str, first: Vector, value: Callable[[Target], Vector]
-) -> Matrix:
-    """Return one reference at every tick, shape (T, 3): ``first`` until a target holds."""
-    mine = [t for t in run.targets if t.robot == robot and t.kind == kind]
-    mine.sort(key=lambda target: target.time)  # stable: of two for one time the later came last
-    values = np.array([first, *(value(target) for target in mine)])
-    # Half a tick of slack: stamps are rounded to nanoseconds.
-    times = run.plant.stamp + 0.5 * run.period
-    return values[np.searchsorted([target.time for target in mine], times, side="right")]
-
-
-def _planar(target: Target) -> Vector:
-    """Return x [m], y [m], yaw [rad] of a base target."""
-    rotation = from_quaternion(target.quaternion)
-    return np.array([*target.position[:2], np.arctan2(rotation[1, 0], rotation[0, 0])])
 
 
 def _ratios(run: Run, team: Team) -> tuple[Matrix, Matrix]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from lexstack_bag.measures import COMMANDER, Measures
 from lexstack_bag.phases import BASE_TASKS, EE_TASKS, Phase, tasks_of
-from lexstack_bag.run import Run, SolveStatus
+from lexstack_bag.run import Integers, Run, SolveStatus
 from lexstack_bag.settling import settled_after
 from lexstack_core.linear import Matrix, Vector
 
@@ -43,7 +43,7 @@ class Metrics:
     mode: str
     seed: int
     rate_hz: float
-    ticks: int
+    ticks: int  # of the command, from the first to the last
     late_ticks: int
     missing_ticks: int
     empty_bounds: int
@@ -68,9 +68,9 @@ def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> 
         mode=scenario.mode,
         seed=scenario.seed,
         rate_hz=scenario.rate,
-        ticks=len(run.plant.tick),
+        ticks=_span(command.tick),
         late_ticks=_last(run.plant.late_ticks),
-        missing_ticks=_gaps(command.tick),
+        missing_ticks=_span(command.tick) - len(command.tick),
         empty_bounds=_empty_bounds(run),
         solver_failures=sum(
             int(np.count_nonzero(chi.status != SolveStatus.SOLVED)) for chi in run.chi.values()
@@ -125,12 +125,12 @@ def _empty_bounds(run: Run) -> int:
     return int(np.count_nonzero(empty))
 
 
-def _gaps(ticks: Any) -> int:
-    """Return how many ticks are missing between the first and the last."""
-    return int(ticks[-1] - ticks[0]) + 1 - len(ticks) if len(ticks) else 0
+def _span(ticks: Integers) -> int:
+    """Return the number of ticks from the first to the last, missing ones as well."""
+    return int(ticks[-1] - ticks[0]) + 1 if len(ticks) else 0
 
 
-def _last(counter: Any) -> int:
+def _last(counter: Integers) -> int:
     """Return the final value of a counter, 0 without any."""
     return int(counter[-1]) if len(counter) else 0
 

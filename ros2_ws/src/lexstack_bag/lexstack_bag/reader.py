@@ -73,7 +73,9 @@ class _Collector:
             if topic == PLANT_STATE:
                 self._now = seconds(value.header.stamp)
         elif name in _TARGETS:
-            self.targets.append(self._target(robot, name, self._decode(message)))
+            target = self._target(robot, name, self._decode(message))
+            if np.isfinite([*target.position, *target.quaternion]).all():
+                self.targets.append(target)
 
     def _decode(self, message: RawMessage) -> Any:
         """Return a message's content."""

@@ -25,9 +25,10 @@ from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.conversions import pose_message
 from lexstack_ros.qos import STREAM
-from lexstack_ros.readiness import is_heard
+from lexstack_ros.readiness import is_connected
 
-_LISTENERS = ("hqp_controller", "stack_solver")  # who takes targets
+_PEERS = ("sim_bridge", "hqp_controller", "stack_solver")
+PLAYER = "scenario_player"
 _LEAD = 1.0  # s, how long before its time an event is sent in realtime
 _ANSWER = 10.0  # s of wall time to wait for a service
 
@@ -41,7 +42,7 @@ class Player(Node):
 
     def __init__(self, resolved: ResolvedScenario, executor: Executor) -> None:
         """Prepare to play; ``executor`` runs this node alone."""
-        super().__init__("scenario_player")
+        super().__init__(PLAYER)
         self._scenario = resolved.scenario
         self._executor = executor
         executor.add_node(self)
@@ -168,7 +169,7 @@ class Player(Node):
         """Return whether all listeners and servers are there."""
         return (
             self.state is not None
-            and all(is_heard(self, publisher, _LISTENERS) for publisher in self._targets.values())
+            and is_connected(self, _PEERS)
             and self._switch.service_is_ready()
             and self._pause.service_is_ready()
         )

@@ -1,42 +1,73 @@
-"""When a node may be relied on: it hears the plant, and its peers hear it."""
+"""When a node may be relied on: it is connected with its peers, both ways.
+
+A volatile reader drops what comes before it knows the writer, and a writer that knows the reader
+cannot tell: so each process looks at its own side before it says that it is ready.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import time
+from collections.abc import Collection
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.publisher import Publisher
+
+from lexstack_ros.parameters import text_parameter
 
 READY = "ready"
 _PERIOD = 0.1  # s of wall time between two looks
+_SETTLED = 0.5  # s for which nothing may be missing: endpoints come one by one
 
 
-def is_heard(node: Node, publisher: Publisher, listeners: Collection[str]) -> bool:
-    """Return whether every one of the nodes named ``listeners`` gets what is published.
+def is_connected(node: Node, peers: Collection[str]) -> bool:
+    """Return whether all peers are there, and every topic shared with them is connected.
 
-    The graph tells who subscribes, the publisher how many of them it is connected with.
+    Args:
+        node: whose publishers and subscriptions are looked at.
+        peers: names of other nodes.
     """
-    known = node.get_subscriptions_info_by_topic(publisher.topic_name)
-    names = {end.node_name for end in known}
-    return names.issuperset(listeners) and publisher.get_subscription_count() >= len(known)
+    if not set(peers) <= set(node.get_node_names()):
+        return False
+    heard = all(
+        publisher.get_subscription_count()
+        >= sum(
+            end.node_name in peers
+            for end in node.get_subscriptions_info_by_topic(publisher.topic_name)
+        )
+        for publisher in node.publishers
+    )
+    return heard and all(
+        subscription.get_publisher_count()
+        >= sum(
+            end.node_name in peers
+            for end in node.get_publishers_info_by_topic(subscription.topic_name)
+        )
+        for subscription in node.subscriptions
+    )
 
 
 class Readiness:
-    """Prints ``ready`` on standard output, once, for whoever started the process."""
+    """Prints ``ready`` on standard output, once, for whoever started the process.
 
-    def __init__(self, node: Node, listeners: Mapping[Publisher, str]) -> None:
-        """Wait for the plant, and until the node named hears what each publisher says."""
+    Attributes:
+        hears_plant: set by the node once a state of the plant has come.
+    """
+
+    def __init__(self, node: Node, *, hears_plant: bool) -> None:
+        """Wait for the plant, and for the nodes that the parameter ``peers`` names."""
         self._node = node
-        self._listeners = listeners
-        self.heard_plant = False
+        self.hears_plant = hears_plant
+        names = text_parameter(node, "peers", "nodes to connect with first, comma-separated", "")
+        self._peers = [name.strip() for name in names.split(",") if name.strip()]
+        self._since = time.monotonic()
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = node.create_timer(_PERIOD, self._look, clock=wall)
 
     def _look(self) -> None:
-        """Say so when all is there."""
-        if self.heard_plant and all(
-            is_heard(self._node, publisher, (name,)) for publisher, name in self._listeners.items()
-        ):
+        """Say so when all has been there for a while; without peers there is nobody to wait for."""
+        now = time.monotonic()
+        if not self.hears_plant or not is_connected(self._node, self._peers):
+            self._since = now
+        elif not self._peers or now - self._since >= _SETTLED:
             self._timer.cancel()
             print(READY, flush=True)

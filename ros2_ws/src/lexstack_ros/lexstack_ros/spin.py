@@ -48,6 +48,7 @@ def run_node(factory: Callable[[], Node]) -> int:
         print(f"error: {error}", file=sys.stderr, flush=True)
         return BAD_ARGUMENT
     finally:
+        stop.ignore_more()
         executor.shutdown()
         if node is not None:
             getattr(node, "close", lambda: None)()
@@ -68,6 +69,14 @@ class _StopFlag:
     def __bool__(self) -> bool:
         """Return whether a signal has come."""
         return self._set
+
+    def ignore_more(self) -> None:
+        """Ignore both signals up to the process's last moment.
+
+        Python gives handlers of its own back before it ends; ignored signals stay ignored.
+        """
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
 
     def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
         """Remember it."""

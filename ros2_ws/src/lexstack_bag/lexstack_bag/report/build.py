@@ -34,6 +34,6 @@ def write_report(
         control.bounds(run, phases, grid),
     ]
     progress(f"drew {len(figures)} figures")
-    shots, reason = pictures(run, phases)
+    shots, reason = pictures(run, measures, phases)
     progress(f"rendered {len(shots)} pictures" if shots else f"no pictures: {reason}")
     path.write_text(page(run, metrics, figures, shots, reason), encoding="utf-8")

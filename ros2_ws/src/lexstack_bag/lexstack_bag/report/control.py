@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -22,9 +23,10 @@ from lexstack_bag.report.traces import (
     Plain,
     line,
 )
-from lexstack_bag.run import Run
+from lexstack_bag.run import Run, TransitionPhase
 
 _COLORS = (BLUE, VERMILLION, GREEN, ORANGE)
+_UNDER_WAY = (TransitionPhase.PREPARING, TransitionPhase.BLENDING, TransitionPhase.ADOPTING)
 
 
 def computation(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
@@ -40,15 +42,19 @@ def computation(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
         series = grid.series(chi.tick, milliseconds, peaks=True)
         traces.append(line(series, f"{name}", color, width=1.0))
     status = run.transition
-    traces.append(line(grid.series(status.tick, status.alpha), "α", BLACK, row=2))
-    gap = grid.series(status.tick, status.gap, peaks=True)
-    traces.append(line(gap, "gap to the source", PURPLE, row=3))
+    under_way = np.isin(status.phase, _UNDER_WAY)  # at other times neither means anything
+    for row, name, color, values in (
+        (2, "α", BLACK, status.alpha),
+        (3, "gap to the source", PURPLE, status.gap),
+    ):
+        series = grid.series(status.tick, np.where(under_way, values, np.nan), peaks=True)
+        traces.append(line(series, name, color, row=row))
     return Figure(
         "computation",
         "Solve times, α and the gap",
         "Fig. 9 of the paper. Top: wall-clock time from state to χ in each robot's own process; "
         f"medians: {', '.join(medians) or 'none'}. Robot B solves only while a stack is prepared "
-        "or blended. Middle: α of the blend. Bottom: the largest difference over the joints "
+        "or blended. Middle: α of the blends. Bottom: the largest difference over the joints "
         "between the command and the source's χ.",
         traces,
         stacked(["solve time [ms]", "α [-]", "gap [m/s, rad/s]"], 160, phases, grid.span),
@@ -86,10 +92,10 @@ def bounds(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
     traces: list[Plain] = []
     choices = _joints(run)
     for joint in range(len(choices)):
-        shown = {"visible": joint == 0}
+        shown: dict[str, Any] = {"visible": joint == 0}
         lower = grid.series(command.tick, command.lower[:, joint])
         upper = grid.series(command.tick, command.upper[:, joint])
-        fill = {"fill": "tonexty", "fillcolor": "rgba(86, 180, 233, 0.28)"}
+        fill: dict[str, Any] = {"fill": "tonexty", "fillcolor": "rgba(86, 180, 233, 0.28)"}
         traces += [
             line(lower, "lower bound", SKY, width=0.8, legend=False, **shown),
             line(upper, "bounds on χ", SKY, width=0.8, **fill, **shown),

@@ -97,7 +97,8 @@ def _shots(shots: Sequence[Picture], reason: str) -> str:
     )
     return (
         "<section id='pictures'><h2>The two robots at the paper's instants</h2>"
-        "<p class='caption'>Rendered from the recorded positions.</p>"
+        "<p class='caption'>Rendered from the recorded positions. The small frames are the end "
+        "effectors' references.</p>"
         + (f"<div class='shots{' four' if len(shots) == 4 else ''}'>{cells}</div>" if shots else "")
         + (f"<p class='note'>No pictures: {escape(reason)}</p>" if reason else "")
         + "</section>"

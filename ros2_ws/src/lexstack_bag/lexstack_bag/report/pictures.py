@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lexstack_bag.measures import Measures
 from lexstack_bag.phases import Phase
 from lexstack_bag.report.figure import letters
 from lexstack_bag.run import Run
@@ -25,7 +26,7 @@ class Picture:
     uri: str  # data:image/jpeg;base64,...
 
 
-def pictures(run: Run, phases: Sequence[Phase]) -> tuple[list[Picture], str]:
+def pictures(run: Run, measures: Measures, phases: Sequence[Phase]) -> tuple[list[Picture], str]:
     """Return the pictures at every trigger and at the end, or none and the reason.
 
     Rendering needs the simulation package and OpenGL; whatever keeps it from working, the report
@@ -36,7 +37,8 @@ def pictures(run: Run, phases: Sequence[Phase]) -> tuple[list[Picture], str]:
     try:
         from lexstack_sim.render import snapshots  # noqa: PLC0415 - optional, and slow to load
 
-        images = snapshots(run.resolved, [run.plant.q[row] for row in rows])
+        targets = [dict(zip(run.robots, measures.references[row].ee, strict=True)) for row in rows]
+        images = snapshots(run.resolved, [run.plant.q[row] for row in rows], targets)
         encoded = [_jpeg(image) for image in images]
     except Exception as error:  # noqa: BLE001 - drivers raise what they like
         text = " ".join(str(error).split()) or "no message"

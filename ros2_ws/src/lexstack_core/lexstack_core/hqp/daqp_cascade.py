@@ -7,15 +7,18 @@ import math
 import daqp
 import numpy as np
 
-from lexstack_core.hqp.cascade import EXCHANGES, NullSpaceCascade
+from lexstack_core.hqp.cascade import NullSpaceCascade
 from lexstack_core.hqp.qp import LevelQp, QpAnswer
-from lexstack_core.hqp.rows import Signs
+from lexstack_core.hqp.rows import Hierarchy, Signs
+from lexstack_core.hqp.weights import weighted_qp
+from lexstack_core.linear import Vector
 
-# DAQP factors H, so a level that does not use all freedom needs a proximal term, relative to the
-# squared norm of the task. It picks one optimum out of many; `refine` removes what it costs. The
-# second one is for levels that are singular but for rounding, where DAQP fails with the first.
-_PROXIMAL = (1e-9, 1e-6)
-_SETTINGS = {"primal_tol": 1e-9, "dual_tol": 1e-12, "iter_limit": 300, "eps_prox": 0.0}
+# DAQP factors H, so a level that does not use all freedom needs a proximal term. It picks one
+# optimum out of many; what it costs is removed afterwards. The second one is for levels that are
+# singular but for rounding, where DAQP may fail with the first.
+_SECOND_PROXIMAL = 1e-6
+_ITERATIONS = 300
+_FEW_ITERATIONS = 100
 _ACTIVE, _LOWER = 1, 2
 _WORDS = {
     -1: "infeasible",
@@ -34,26 +37,49 @@ class DaqpBackend:
 
     def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:
         """Solve with DAQP; ``guess`` becomes its first working set."""
-        hessian, gradient = qp.quadratic()
-        lower, upper = qp.limits()
-        sense = np.zeros(lower.size, dtype=np.intc)
-        sense[: guess.size][guess > 0] = _ACTIVE
-        sense[: guess.size][guess < 0] = _ACTIVE | _LOWER
-        diagonal = hessian.reshape(-1)[:: gradient.size + 1]
-        for proximal in _PROXIMAL:
-            diagonal += proximal
-            x, _, flag, info = daqp.solve(
-                hessian, gradient, qp.rows, upper, lower, sense.copy(), **_SETTINGS
-            )
-            multipliers = info["lam"]
-            if flag > 0 and math.isfinite(x.dot(x)) and math.isfinite(multipliers.dot(multipliers)):
-                return QpAnswer(x, multipliers, "")
-        return QpAnswer(x, multipliers, _WORDS.get(flag, f"exit flag {flag}, not finite"))
+        answer = _solve(qp, guess, qp.proximal, _ITERATIONS)
+        return _solve(qp, guess, _SECOND_PROXIMAL, _ITERATIONS) if answer.reason else answer
+
+    def foresee(
+        self, hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Signs
+    ) -> Signs | None:
+        """Return the active set of the hierarchy with weights."""
+        if np.count_nonzero(~hierarchy.equal) > lower.size:
+            return None  # with many slacks DAQP takes longer for this than the cascade
+        qp = weighted_qp(hierarchy, lower, upper)
+        answer = _solve(qp, guess, qp.proximal, _FEW_ITERATIONS)
+        return None if answer.reason else np.sign(answer.multipliers).astype(np.int8)
+
+
+def _solve(qp: LevelQp, guess: Signs, proximal: float, iterations: int) -> QpAnswer:
+    """Call DAQP. Its arrays must be writable: it refuses those of a frozen value."""
+    hessian, gradient = qp.quadratic()
+    hessian.reshape(-1)[:: gradient.size + 1] += proximal
+    lower, upper = qp.limits()
+    sense = np.zeros(lower.size, dtype=np.intc)
+    sense[: guess.size][guess > 0] = _ACTIVE
+    sense[: guess.size][guess < 0] = _ACTIVE | _LOWER
+    x, _, flag, info = daqp.solve(
+        hessian,
+        gradient,
+        qp.rows,
+        upper,
+        lower,
+        sense,
+        primal_tol=1e-9,
+        iter_limit=iterations,
+        eps_prox=0.0,
+    )
+    multipliers = info["lam"]
+    if flag <= 0:
+        return QpAnswer(x, multipliers, _WORDS.get(flag, f"exit flag {flag}"))
+    finite = math.isfinite(x.dot(x)) and math.isfinite(multipliers.dot(multipliers))
+    return QpAnswer(x, multipliers, "" if finite else "not finite")
 
 
 class DaqpCascade(NullSpaceCascade):
     """The strict solver with DAQP."""
 
-    def __init__(self, exchanges: int = EXCHANGES) -> None:
-        """Try ``exchanges`` guesses before DAQP is asked."""
-        super().__init__(DaqpBackend(), exchanges)
+    def __init__(self, guesses: bool = True) -> None:
+        """Without ``guesses`` every level goes through DAQP."""
+        super().__init__(DaqpBackend(), guesses)

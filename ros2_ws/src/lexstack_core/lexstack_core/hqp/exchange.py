@@ -5,22 +5,43 @@ null space of those above, with the joints of the working set held at their boun
 right is decided by the optimality conditions of the hierarchy (Escande, Mansard and Wieber 2014):
 chi is inside the box, and the multiplier of everything held is lexicographically positive, that
 is, the highest level that feels it presses against it. A wrong guess is corrected by exchange:
-what is violated is held, what is pulled away from its bound is released. This mostly ends after
-one to three guesses; where it does not, the cascade of quadratic programs decides.
+what is violated is held, what is pulled away from its bound is released.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lexstack_core.hqp.factor import Factor, factorise
-from lexstack_core.hqp.rows import FEASIBILITY, MULTIPLIER, LevelRows, Signs
+from lexstack_core.hqp.rows import FEASIBILITY, MULTIPLIER, Indices, LevelRows, Mask, Signs
 from lexstack_core.linear import Matrix, Vector
 
-Free = NDArray[np.intp] | None  # indices of the joints that are not held; None for all
+
+@dataclass(slots=True)
+class Guess:
+    """What is held: joints at their bounds, shape (n,), and rows of each level at their ends."""
+
+    joints: Signs
+    rows: list[Signs]
+
+    @classmethod
+    def of(cls, levels: list[LevelRows], joints: Signs) -> Guess:
+        """Return the guess that these joints and no inequality rows are held."""
+        return cls(joints, [np.zeros(level.lower.size, dtype=np.int8) for level in levels])
+
+    @classmethod
+    def split(cls, levels: list[LevelRows], sides: Signs) -> Guess:
+        """Return the guess of one vector: first the joints, then all inequality rows."""
+        soft = [np.flatnonzero(~level.equal) for level in levels]
+        n = sides.size - sum(rows.size for rows in soft)
+        guess = cls.of(levels, sides[:n])
+        for rows, held in zip(soft, guess.rows, strict=True):
+            held[rows] = sides[n : n + rows.size]
+            n += rows.size
+        return guess
 
 
 @dataclass(slots=True)
@@ -30,28 +51,20 @@ class _Step:
     Attributes:
         rows: the objective rows, all columns, shape (m, n).
         target: shape (m,).
-        chosen: which rows of the level these are, shape (m,); None for all, all of them equalities.
+        chosen: which rows of the level these are, shape (m,); None for all.
         basis: the free directions above this level, shape (free, r); None for all.
         factor: of the rows in these directions.
     """
 
     rows: Matrix
     target: Vector
-    chosen: NDArray[np.intp] | None
+    chosen: Indices | None
     basis: Matrix | None
     factor: Factor
 
 
-@dataclass(slots=True)
-class _Guess:
-    """What is held: joints at their bounds, and inequality rows of each level at theirs."""
-
-    joints: Signs
-    rows: list[Signs]
-
-
 def solve_by_exchange(
-    levels: list[LevelRows], lower: Vector, upper: Vector, held: Signs, rounds: int
+    levels: list[LevelRows], lower: Vector, upper: Vector, guess: Guess, rounds: int
 ) -> Vector | None:
     """Return the exact optimum chi, shape (n,), or None if no guess in ``rounds`` was right.
 
@@ -61,26 +74,28 @@ def solve_by_exchange(
         levels: index 0 is the highest priority.
         lower: bounds of chi, shape (n,).
         upper: shape (n,).
-        held: first guess of the bounds that hold, shape (n,).
+        guess: what probably holds; it is left as the last one tried.
         rounds: the number of guesses to try.
     """
     fixed = upper - lower <= FEASIBILITY
-    joints = np.where(fixed, np.int8(1), held)
-    guess = _Guess(joints, [np.zeros(level.lower.size, dtype=np.int8) for level in levels])
-    for _ in range(rounds):
+    guess.joints = np.where(fixed, np.int8(1), guess.joints)
+    for left in range(rounds - 1, -1, -1):
         free = np.flatnonzero(guess.joints == 0) if guess.joints.any() else None
-        chi, steps, rest = _chain(levels, lower, upper, guess, free)
-        changed = _release(steps, chi, guess, free, rest, fixed)
-        changed |= _hold(levels, chi, lower, upper, guess)
-        if not changed:
+        chi, steps = _chain(levels, lower, upper, guess, free)
+        if not math.isfinite(chi.dot(chi)):
+            return None
+        outside = _hold(levels, chi, lower, upper, guess)
+        if outside and left == 0:
+            return None
+        if not _release(steps, chi, guess, free, fixed) and not outside:
             return chi
     return None
 
 
 def _chain(
-    levels: list[LevelRows], lower: Vector, upper: Vector, guess: _Guess, free: Free
-) -> tuple[Vector, list[_Step], Matrix | None]:
-    """Return the lexicographic least-squares point of a guess, its steps and the freedom left."""
+    levels: list[LevelRows], lower: Vector, upper: Vector, guess: Guess, free: Indices | None
+) -> tuple[Vector, list[_Step]]:
+    """Return the lexicographic least-squares point of a guess and the steps to it."""
     chi = np.zeros(lower.size)
     if free is not None:
         chi = np.where(guess.joints > 0, upper, np.where(guess.joints < 0, lower, chi))
@@ -101,12 +116,10 @@ def _chain(
             else:
                 chi[free] += move
             basis = factor.null if basis is None else basis.dot(factor.null)
-    return chi, steps, basis
+    return chi, steps
 
 
-def _hold(
-    levels: list[LevelRows], chi: Vector, lower: Vector, upper: Vector, guess: _Guess
-) -> bool:
+def _hold(levels: list[LevelRows], chi: Vector, lower: Vector, upper: Vector, guess: Guess) -> bool:
     """Hold what chi violates; return whether there was anything."""
     changed = _hold_violated(chi, lower, upper, guess.joints)
     for level, sides in zip(levels, guess.rows, strict=True):
@@ -122,76 +135,58 @@ def _hold_violated(value: Vector, lower: Vector, upper: Vector, sides: Signs) ->
     above = value - upper
     below = lower - value
     outside = np.maximum(above, below)
-    outside[sides != 0] = 0.0
     if outside.max(initial=0.0) <= FEASIBILITY:
         return False
-    violated = outside > FEASIBILITY
+    violated = (outside > FEASIBILITY) & (sides == 0)
     sides[violated] = np.where(above > below, 1, -1)[violated]
-    return True
+    return bool(violated.any())
 
 
 def _release(
-    steps: list[_Step],
-    chi: Vector,
-    guess: _Guess,
-    free: Free,
-    rest: Matrix | None,
-    fixed: NDArray[np.bool_],
+    steps: list[_Step], chi: Vector, guess: Guess, free: Indices | None, fixed: Mask
 ) -> bool:
     """Release what the highest level that feels it pulls inside; return whether there was any.
 
-    Level by level, the gradient of the level's objective is balanced by multipliers of the rows
-    above it; what remains of it acts on the joints that are held. A joint or row is judged by the
-    first level whose multiplier of it is not zero.
+    The gradient of each level's objective is balanced by multipliers of the rows above it; what
+    remains of it acts on the joints that are held. Below the last level there is ||chi||, which
+    feels what is held without need. All levels are balanced in one sweep: row k of ``gradient``
+    and of each ``forces`` belongs to level k.
     """
-    pending = _Guess(np.where(fixed, np.int8(0), guess.joints), [s.copy() for s in guess.rows])
-    if not pending.joints.any() and not any(sides.any() for sides in pending.rows):
+    if free is None and not any(sides.any() for sides in guess.rows):
         return False
+    gradient = np.empty((len(steps) + 1, chi.size))
+    gradient[-1] = chi
     changed = False
-    for k, step in enumerate(steps):
+    for j in range(len(steps) - 1, -1, -1):
+        step = steps[j]
         residual = step.rows.dot(chi) - step.target
-        if residual.dot(residual) <= MULTIPLIER * MULTIPLIER:
-            continue
+        gradient[j] = residual.dot(step.rows)
+        below = gradient[j + 1 :]
+        local = below if free is None else below.take(free, axis=1)
+        if step.basis is not None:
+            local = local.dot(step.basis)
+        multipliers = step.factor.solve_transposed(local)
+        below -= multipliers.dot(step.rows)
         if step.chosen is not None:
-            changed |= _judge(guess.rows[k], pending.rows[k], residual, step.chosen)
-        changed |= _balance(residual.dot(step.rows), steps[:k], guess, pending, free)
-    # The last level is ||chi||; it also feels what was held without need.
-    changed |= _balance(chi.copy(), steps, guess, pending, free)
-    return changed
+            forces = np.zeros((len(multipliers) + 1, guess.rows[j].size))
+            forces[0, step.chosen] = residual
+            forces[1:, step.chosen] = -multipliers
+            changed |= _judge(guess.rows[j], guess.rows[j], forces)
+    judged = np.where(fixed, np.int8(0), guess.joints)
+    return _judge(guess.joints, judged, -gradient) or changed
 
 
-def _balance(
-    gradient: Vector, above: list[_Step], guess: _Guess, pending: _Guess, free: Free
-) -> bool:
-    """Balance a level's gradient by the rows above it, lowest first, and judge what is held."""
-    changed = False
-    for j in range(len(above) - 1, -1, -1):
-        step = above[j]
-        if step.factor.rank == 0:
-            continue
-        local = gradient if free is None else gradient[free]
-        multiplier = step.factor.solve_transposed(
-            local if step.basis is None else local.dot(step.basis)
-        )
-        gradient -= multiplier.dot(step.rows)
-        if step.chosen is not None:
-            changed |= _judge(guess.rows[j], pending.rows[j], -multiplier, step.chosen)
-    return _judge(guess.joints, pending.joints, -gradient, None) or changed
+def _judge(sides: Signs, judged: Signs, forces: Matrix) -> bool:
+    """Release what is pulled by the first force on it that is not zero; return whether any is.
 
-
-def _judge(
-    sides: Signs, pending: Signs, outward: Vector, chosen: NDArray[np.intp] | None
-) -> bool:
-    """Decide what is pending by how hard it is pressed outward; return whether any is released."""
-    if chosen is not None:
-        spread = np.zeros(sides.size)
-        spread[chosen] = outward
-        outward = spread
-    pressed = pending * outward
+    Args:
+        sides: shape (m,), of joints or of the rows of a level; zero where released.
+        judged: those that may be released, shape (m,).
+        forces: outward, in the order of the levels, shape (levels, m).
+    """
+    pressed = forces * judged
     felt = np.abs(pressed) > MULTIPLIER
-    if not felt.any():
-        return False
-    pending[felt] = 0
-    pulled = pressed < -MULTIPLIER
+    first = pressed[felt.argmax(axis=0), np.arange(judged.size)]
+    pulled = first < -MULTIPLIER
     sides[pulled] = 0
     return bool(pulled.any())

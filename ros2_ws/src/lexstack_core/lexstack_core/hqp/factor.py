@@ -31,8 +31,8 @@ class Factor(Protocol):
         """Return the shortest z, shape (r,), that minimises ``||M z - target||``."""
         ...
 
-    def solve_transposed(self, gradient: Vector) -> Vector:
-        """Return mu, shape (m,), with ``M.T mu = gradient`` for a gradient in M's row space."""
+    def solve_transposed(self, gradients: Matrix) -> Matrix:
+        """Return mu, shape (k, m), with ``mu M = gradients``, shape (k, r), in M's row space."""
         ...
 
 
@@ -47,7 +47,7 @@ def factorise(matrix: Matrix, tolerance: float) -> Factor:
         return _Zero(rows, columns)
     if rows > columns:
         tall = _Tall(matrix)
-        if abs(tall.triangle[-1, -1]) > tolerance:
+        if abs(tall.triangle[-1, -1]) > tolerance:  # pivots fall in size
             return tall
     return _wide(matrix, tolerance)
 
@@ -57,7 +57,9 @@ def _wide(matrix: Matrix, tolerance: float) -> Factor:
     rows, columns = matrix.shape
     packed, pivots, tau, _, _ = dgeqp3(matrix.T, lwork=_WORK)
     size = min(rows, columns)
-    rank = int(np.count_nonzero(np.abs(packed.diagonal()) > tolerance))
+    rank = size
+    if abs(packed[size - 1, size - 1]) <= tolerance:  # pivots fall in size
+        rank = int(np.count_nonzero(np.abs(packed.diagonal()) > tolerance))
     full = np.zeros((columns, columns), order="F")
     full[:, :size] = packed[:, :size]
     basis: Matrix = dorgqr(full, tau, lwork=_WORK, overwrite_a=1)[0]
@@ -82,8 +84,8 @@ class _Zero:
     def solve(self, target: Vector) -> Vector:  # noqa: ARG002
         return np.zeros(self._columns)
 
-    def solve_transposed(self, gradient: Vector) -> Vector:  # noqa: ARG002
-        return np.zeros(self._rows)
+    def solve_transposed(self, gradients: Matrix) -> Matrix:
+        return np.zeros((len(gradients), self._rows))
 
 
 class _Wide:
@@ -100,9 +102,9 @@ class _Wide:
         z: Vector = self._range.dot(dtrtrs(self._triangle, target[self._order], trans=1)[0])
         return z
 
-    def solve_transposed(self, gradient: Vector) -> Vector:
-        mu = np.empty(self.rank)
-        mu[self._order] = dtrtrs(self._triangle, gradient.dot(self._range))[0]
+    def solve_transposed(self, gradients: Matrix) -> Matrix:
+        mu = np.empty((len(gradients), self.rank))
+        mu[:, self._order] = dtrtrs(self._triangle, gradients.dot(self._range).T)[0].T
         return mu
 
 
@@ -122,8 +124,9 @@ class _Tall:
         z[self._order] = dtrtrs(self.triangle, target.dot(self._range))[0]
         return z
 
-    def solve_transposed(self, gradient: Vector) -> Vector:
-        mu: Vector = self._range.dot(dtrtrs(self.triangle, gradient[self._order], trans=1)[0])
+    def solve_transposed(self, gradients: Matrix) -> Matrix:
+        inner = dtrtrs(self.triangle, gradients[:, self._order].T, trans=1)[0]
+        mu: Matrix = inner.T.dot(self._range.T)
         return mu
 
 
@@ -141,7 +144,7 @@ class _Deficient:
         z: Vector = self._range.dot(self._inner.solve(target[self._order]))
         return z
 
-    def solve_transposed(self, gradient: Vector) -> Vector:
-        mu = np.empty(self._order.size)
-        mu[self._order] = self._inner.solve_transposed(gradient.dot(self._range))
+    def solve_transposed(self, gradients: Matrix) -> Matrix:
+        mu = np.empty((len(gradients), self._order.size))
+        mu[:, self._order] = self._inner.solve_transposed(gradients.dot(self._range))
         return mu

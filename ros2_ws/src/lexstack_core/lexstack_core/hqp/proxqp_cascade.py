@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import proxsuite
 
-from lexstack_core.hqp.cascade import EXCHANGES, NullSpaceCascade
+from lexstack_core.hqp.cascade import NullSpaceCascade
 from lexstack_core.hqp.qp import LevelQp, QpAnswer
-from lexstack_core.hqp.rows import Signs
+from lexstack_core.hqp.rows import Hierarchy, Signs
+from lexstack_core.linear import Vector
 
 # The second accuracy is for levels near a singularity, where ProxQP crawls; what it finds then is
 # made exact by `refine` where that is possible. Nominal levels take about 10 iterations.
@@ -23,7 +24,7 @@ class ProxqpBackend:
 
     name = "proxqp"
 
-    def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:
+    def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:  # noqa: ARG002
         """Solve with ProxQP; it starts cold, because a working set is of no use to it."""
         hessian, gradient = qp.quadratic()
         lower, upper = qp.limits()
@@ -44,6 +45,16 @@ class ProxqpBackend:
                 return QpAnswer(x, multipliers, "")
         return QpAnswer(results.x, results.z, results.info.status.name)
 
+    def foresee(
+        self,
+        hierarchy: Hierarchy,  # noqa: ARG002
+        lower: Vector,  # noqa: ARG002
+        upper: Vector,  # noqa: ARG002
+        guess: Signs,  # noqa: ARG002
+    ) -> Signs | None:
+        """Foresee nothing: it does not solve programs whose weights span twelve decades."""
+        return None
+
 
 def _configure(settings: Any, accuracy: float) -> None:
     """Set what a solve of the cascade needs."""
@@ -58,6 +69,6 @@ def _configure(settings: Any, accuracy: float) -> None:
 class ProxqpCascade(NullSpaceCascade):
     """The strict solver with ProxQP."""
 
-    def __init__(self, exchanges: int = EXCHANGES) -> None:
-        """Try ``exchanges`` guesses before ProxQP is asked."""
-        super().__init__(ProxqpBackend(), exchanges)
+    def __init__(self, guesses: bool = True) -> None:
+        """Without ``guesses`` every level goes through ProxQP."""
+        super().__init__(ProxqpBackend(), guesses)

@@ -7,10 +7,11 @@ from typing import Protocol
 
 import numpy as np
 
-from lexstack_core.hqp.rows import Signs
+from lexstack_core.hqp.rows import FEASIBILITY, RANK_TOLERANCE, Hierarchy, Mask, Signs
 from lexstack_core.linear import Matrix, Vector
 
 FAR = 1e30  # a bound that no solver reaches
+PROXIMAL = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +32,7 @@ class LevelQp:
         slacks: s.
         norm: Frobenius norm of the level's rows before they were reduced, positive.
         tolerance: pivots of the objective below this count as zero.
+        proximal: what H may get on its diagonal, of a trace of about 1, to become definite.
     """
 
     objective: Matrix
@@ -42,6 +44,7 @@ class LevelQp:
     slacks: int
     norm: float
     tolerance: float
+    proximal: float
 
     def quadratic(self) -> tuple[Matrix, Vector]:
         """Return H and f of ``min x.T H x / 2 + f.T x``.
@@ -53,6 +56,12 @@ class LevelQp:
         hessian = scale * self.objective.T.dot(self.objective)
         return hessian, -scale * self.target.dot(self.objective)
 
+    def contains(self, x: Vector) -> bool:
+        """Whether x is inside all rows, up to rounding."""
+        value = self.rows.dot(x)
+        excess = np.maximum(value - self.upper, self.lower - value)
+        return bool(excess.max(initial=0.0) <= FEASIBILITY)
+
     def limits(self) -> tuple[Vector, Vector]:
         """Return the bounds of the rows, finite."""
         return np.maximum(self.lower, -FAR), np.minimum(self.upper, FAR)
@@ -60,11 +69,11 @@ class LevelQp:
 
 def level_qp(
     reduced: Matrix,
-    equal: np.ndarray[tuple[int], np.dtype[np.bool_]],
+    equal: Mask,
     ends: tuple[Vector, Vector],
     walls: tuple[Matrix, Vector, Vector],
     norm: float,
-    tolerance: float,
+    proximal: float = PROXIMAL,
 ) -> LevelQp:
     """Return the program of a level.
 
@@ -74,12 +83,13 @@ def level_qp(
         ends: lower and upper end of each row, from where chi is, shapes (m,).
         walls: hard rows in z with lower <= 0 <= upper: shapes (h, r), (h,), (h,).
         norm: of the level's rows before they were reduced.
-        tolerance: of pivots of ``reduced``.
+        proximal: what H may get on its diagonal.
     """
     rows, lower, upper = walls
+    tolerance = RANK_TOLERANCE * norm
     if equal.all():
         start = np.zeros(reduced.shape[1])
-        return LevelQp(reduced, ends[0], rows, lower, upper, start, 0, norm, tolerance)
+        return LevelQp(reduced, ends[0], rows, lower, upper, start, 0, norm, tolerance, proximal)
     exact, soft = reduced[equal], reduced[~equal]
     low, high = ends[0][~equal], ends[1][~equal]
     s, r = soft.shape
@@ -100,6 +110,7 @@ def level_qp(
         slacks=s,
         norm=norm,
         tolerance=tolerance,
+        proximal=proximal,
     )
 
 
@@ -125,4 +136,20 @@ class QpBackend(Protocol):
 
     def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:
         """Solve; ``guess`` says which of the first rows probably hold, shape (at most h,)."""
+        ...
+
+    def foresee(
+        self, hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Signs
+    ) -> Signs | None:
+        """Return what probably holds at the optimum of all levels, or None if it has no idea.
+
+        Args:
+            hierarchy: all levels.
+            lower: bounds of chi, shape (n,).
+            upper: shape (n,).
+            guess: of the bounds that hold, shape (n,).
+
+        Returns:
+            Sides of the bounds and of all inequality rows, in this order.
+        """
         ...

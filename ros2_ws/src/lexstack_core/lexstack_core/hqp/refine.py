@@ -85,7 +85,7 @@ def _corner(qp: LevelQp, x: Vector, sides: Signs) -> _Corner:
     corner: Vector = on_walls + walls.null.dot(move)
     residual = qp.objective.dot(corner) - qp.target
     pressed = np.zeros(sides.size)
-    pressed[held] = walls.solve_transposed(-residual.dot(qp.objective))
+    pressed[held] = walls.solve_transposed(-residual.dot(qp.objective)[None])[0]
     return _Corner(corner, pressed, walls, factor)
 
 

@@ -1,8 +1,9 @@
-"""A level as arrays: its tasks stacked, its residual, and the rows that count as objectives."""
+"""The levels as arrays: stacked once per solve, with the scale and the kind of their rows."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +12,11 @@ from lexstack_core.errors import InputError
 from lexstack_core.linear import LinearTask, Matrix, Vector
 
 Signs = NDArray[np.int8]  # -1 at the lower bound, +1 at the upper bound, 0 at neither
+Mask = NDArray[np.bool_]
+Indices = NDArray[np.intp]
 
 # Relative to the Frobenius norm of a level: smaller pivots are directions that the level does not
-# have. What a level can lose by it is the tolerance times the length of chi: below 1e-6.
+# have. What a level can lose by it is this times its norm and the length of chi.
 RANK_TOLERANCE = 1e-7
 # In the unit of chi or of a task: what counts as inside. Far above rounding, far below 1e-8.
 FEASIBILITY = 1e-11
@@ -21,65 +24,36 @@ FEASIBILITY = 1e-11
 MULTIPLIER = 1e-11
 
 
+@dataclass(slots=True)
 class LevelRows:
-    """The rows of one level, stacked once per solve.
+    """The rows of one level; not frozen, because that would triple the time to make one.
 
     Attributes:
         matrix: A, shape (m, n).
         lower: shape (m,).
         upper: shape (m,).
-        exact: whether every row is an equality objective, ``lower == upper``.
-        equal: mask of the equality rows, shape (m,).
+        equal: mask of the equality objectives, ``lower == upper``, shape (m,).
+        exact: whether all are.
         norm: Frobenius norm of A, positive.
-        tolerance: below this a pivot of A, or of A reduced to a null space, counts as zero.
     """
 
-    __slots__ = ("equal", "exact", "lower", "matrix", "norm", "tolerance", "upper")
+    matrix: Matrix
+    lower: Vector
+    upper: Vector
+    equal: Mask
+    exact: bool
+    norm: float
 
-    def __init__(self, tasks: tuple[LinearTask, ...], n: int) -> None:
-        """Stack the tasks of a level; raises InputError if one does not fit chi of length n."""
-        for task in tasks:
-            rows = task.lower.size
-            if task.matrix.shape != (rows, n) or task.upper.size != rows:
-                raise InputError(
-                    f"task {task.name}: matrix {task.matrix.shape}, lower {task.lower.shape}, "
-                    f"upper {task.upper.shape} do not fit chi of length {n}"
-                )
-        self.matrix: Matrix
-        self.lower: Vector
-        self.upper: Vector
-        if len(tasks) == 1:
-            self.matrix, self.lower, self.upper = tasks[0].matrix, tasks[0].lower, tasks[0].upper
-        elif tasks:
-            self.matrix = np.concatenate([task.matrix for task in tasks])
-            self.lower = np.concatenate([task.lower for task in tasks])
-            self.upper = np.concatenate([task.upper for task in tasks])
-        else:
-            self.matrix, self.lower, self.upper = np.empty((0, n)), np.empty(0), np.empty(0)
-        self.equal = self.lower == self.upper
-        self.exact = bool(self.equal.all())
-        flat = self.matrix.ravel()
-        self.norm = math.sqrt(flat.dot(flat)) or 1.0
-        self.tolerance = RANK_TOLERANCE * self.norm
+    @property
+    def tolerance(self) -> float:
+        """Below this a pivot of A, or of A reduced to a null space, counts as zero."""
+        return RANK_TOLERANCE * self.norm
 
-    def residual(self, chi: Vector) -> Vector:
-        """Return the signed distance of ``A chi`` to ``[lower, upper]``, shape (m,)."""
-        value: Vector = self.matrix.dot(chi)
-        if self.exact:
-            return value - self.lower
-        residual: Vector = value - np.minimum(np.maximum(value, self.lower), self.upper)
-        return residual
-
-    def slack(self, chi: Vector) -> float:
-        """Return the norm of the residual: NaN or inf where the level is not finite."""
-        residual = self.residual(chi)
-        return math.sqrt(residual.dot(residual))
-
-    def objective(self, sides: Signs) -> tuple[Matrix, Vector, NDArray[np.intp] | None]:
+    def objective(self, sides: Signs) -> tuple[Matrix, Vector, Indices | None]:
         """Return the rows that count as ``A chi -> b``, b, and which they are (None: all).
 
         Args:
-            sides: shape (m,): the bound that an inequality row is held at, 0 where it is free;
+            sides: shape (m,): the end at which an inequality row is held, 0 where it is free;
                 equality rows count always.
         """
         if self.exact:
@@ -87,3 +61,75 @@ class LevelRows:
         chosen = np.flatnonzero(self.equal | (sides != 0))
         target = np.where(sides < 0, self.lower, self.upper)
         return self.matrix[chosen], target[chosen], chosen
+
+
+class Hierarchy:
+    """All levels in one array.
+
+    Attributes:
+        matrix: shape (M, n).
+        lower: shape (M,).
+        upper: shape (M,).
+        levels: views of the above, index 0 the highest priority.
+        equal: mask of the equality objectives, shape (M,).
+        ends: the row behind each level's last.
+        exact: whether every row is an equality objective.
+    """
+
+    def __init__(self, levels: tuple[tuple[LinearTask, ...], ...], n: int) -> None:
+        """Stack the tasks; raises InputError if one does not fit chi of length n."""
+        tasks = [task for level in levels for task in level]
+        for task in tasks:
+            _check_shape(task, n)
+        if not tasks:
+            tasks = [LinearTask("", np.empty((0, n)), np.empty(0), np.empty(0))]
+        self.matrix: Matrix = np.concatenate([task.matrix for task in tasks], dtype=float)
+        self.lower: Vector = np.concatenate([task.lower for task in tasks], dtype=float)
+        self.upper = self.lower
+        if any(task.lower is not task.upper for task in tasks):
+            self.upper = np.concatenate([task.upper for task in tasks], dtype=float)
+        self.equal: Mask = self.lower == self.upper
+        self.exact = bool(self.equal.all())
+        self.levels: list[LevelRows] = []
+        self.ends: list[int] = []
+        start = 0
+        for level in levels:
+            end = start
+            for task in level:
+                end += task.lower.size
+            self.levels.append(self._level(slice(start, end)))
+            self.ends.append(end)
+            start = end
+
+    def _level(self, rows: slice) -> LevelRows:
+        """Return views of one level's rows."""
+        matrix, equal = self.matrix[rows], self.equal[rows]
+        flat = matrix.reshape(-1)
+        exact = self.exact or bool(equal.all())
+        norm = math.sqrt(flat.dot(flat)) or 1.0
+        return LevelRows(matrix, self.lower[rows], self.upper[rows], equal, exact, norm)
+
+    def slacks(self, chi: Vector) -> list[float]:
+        """Return the norm of each level's residual: NaN or inf where the level is not finite."""
+        value = self.matrix.dot(chi)
+        nearest = self.lower
+        if not self.exact:
+            nearest = np.minimum(np.maximum(value, self.lower), self.upper)
+        residual = value - nearest
+        slacks = []
+        start = 0
+        for end in self.ends:
+            part = residual[start:end]
+            slacks.append(math.sqrt(part.dot(part)))
+            start = end
+        return slacks
+
+
+def _check_shape(task: LinearTask, n: int) -> None:
+    """Raise InputError if a task's arrays do not fit each other and chi of length n."""
+    rows = task.lower.size
+    if task.matrix.shape != (rows, n) or task.lower.shape != task.upper.shape:
+        raise InputError(
+            f"task {task.name}: matrix {task.matrix.shape}, lower {task.lower.shape}, "
+            f"upper {task.upper.shape} do not fit chi of length {n}"
+        )

@@ -17,11 +17,12 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from lexstack_bag.commands.analyze import analyze
+from lexstack_bag.goals import summary_lines
 from lexstack_core.config.resolved import ResolvedScenario, load_scenario
 from lexstack_core.errors import ConfigurationError, LexstackError
 from lexstack_ros.bringup import bring_up
 from lexstack_ros.domain import own_domain
-from lexstack_ros.player import Player
+from lexstack_ros.player import PLAYER, Player
 from lexstack_ros.supervisor import Supervisor
 
 _DEFAULT = "transition-sequence"
@@ -124,8 +125,7 @@ def _run_folder(root: Path, out: Path | None, scenario: str) -> Path:
 def _run(resolved: ResolvedScenario, out: Path) -> int:
     """Bring up, play, end, analyse; returns the exit code."""
     scenario = resolved.scenario
-    path = out / "scenario.yaml"
-    path.write_text(resolved.to_yaml(), encoding="utf-8")
+    (out / "scenario.yaml").write_text(resolved.to_yaml(), encoding="utf-8")
     with own_domain() as domain:
         print(
             f"scenario {scenario.name}: {scenario.duration:g} s, {scenario.mode}, "
@@ -136,8 +136,7 @@ def _run(resolved: ResolvedScenario, out: Path) -> int:
         os.environ.update(environment)
         supervisor = Supervisor(out / "logs", environment)
         try:
-            bring_up(supervisor, path, out / "bag", scenario.mode, scenario.seed)
-            _play(resolved, supervisor)
+            _play(resolved, supervisor, out)
         finally:
             # From here on a second Ctrl-C changes nothing: all ends in order.
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -147,23 +146,27 @@ def _run(resolved: ResolvedScenario, out: Path) -> int:
         print(f"warning: had to be killed: {', '.join(killed)}", file=sys.stderr)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _interrupt)
-    analyze(out / "bag", out)
+    metrics = analyze(out / "bag", out, print)
+    print("\n" + "\n".join(summary_lines(metrics)))
     return 0
 
 
-def _play(resolved: ResolvedScenario, supervisor: Supervisor) -> None:
-    """Play the scenario with a line of progress."""
+def _play(resolved: ResolvedScenario, supervisor: Supervisor, out: Path) -> None:
+    """Bring up the processes and play the scenario, with a line of progress."""
+    scenario = resolved.scenario
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     executor = EventsExecutor()
     player = Player(resolved, executor)
-    progress = _Progress(resolved, player)
-
-    def watch() -> None:
-        supervisor.check()
-        progress.show()
-
     try:
-        player.play(watch, 60.0 + _SLOWEST * resolved.scenario.duration)
+        path, bag = out / "scenario.yaml", out / "bag"
+        bring_up(supervisor, path, bag, scenario.mode, scenario.seed, users=[PLAYER])
+        progress = _Progress(resolved, player)
+
+        def watch() -> None:
+            supervisor.check()
+            progress.show()
+
+        player.play(watch, 60.0 + _SLOWEST * scenario.duration)
         progress.show(last=True)
     finally:
         executor.shutdown()

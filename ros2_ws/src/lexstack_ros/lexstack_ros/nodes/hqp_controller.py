@@ -65,13 +65,13 @@ class HqpControllerNode(Node):
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_LOOK, self._on_look, clock=wall)
         Diagnostics(self, self._health)
-        self._readiness = Readiness(self, {self._chi_out: "sim_bridge"})
+        self._readiness = Readiness(self, hears_plant=False)
 
     # ---- the tick
 
     def _on_state(self, message: PlantState) -> None:
         """Serve a new state, or keep it until the source's chi is there."""
-        self._readiness.heard_plant = True
+        self._readiness.hears_plant = True
         if message.status == PlantState.PAUSED:
             return
         try:

@@ -54,7 +54,7 @@ class Recorder(Node):
         self.create_timer(_DISCOVERY_PERIOD, self._discover, clock=wall)
         self.create_timer(_FLUSH_PERIOD, self._writer.flush, clock=wall)
         self._discover()
-        self.get_logger().info(f"ready: records {len(self._taps)} topics to {output}")
+        self.get_logger().info(f"records {len(self._taps)} topics to {output}")
         print(READY, flush=True)
 
     def close(self) -> None:

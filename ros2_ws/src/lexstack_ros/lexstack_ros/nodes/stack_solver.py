@@ -44,11 +44,11 @@ class StackSolverNode(Node):
         self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
         self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
-        self._readiness = Readiness(self, {self._chi_out: "hqp_controller"})
+        self._readiness = Readiness(self, hears_plant=False)
 
     def _on_state(self, message: PlantState) -> None:
         """Solve for a new state, if a stack is asked for."""
-        self._readiness.heard_plant = True
+        self._readiness.hears_plant = True
         if message.status == PlantState.PAUSED:
             return
         try:

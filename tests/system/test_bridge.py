@@ -1,0 +1,327 @@
+"""The bridge as a process, with a controller that this test plays."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from array import array
+
+import numpy as np
+import pytest
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+from std_srvs.srv import SetBool, Trigger
+
+from lexstack_core.config.scenario import TimeoutsConfig
+from lexstack_interfaces.msg import Chi, PlantState
+from lexstack_ros.qos import LATCHED, STREAM
+from support.plants import make_plant, sine
+from support.scenario import changed, team
+
+pytestmark = pytest.mark.system
+
+DURATION = 0.6  # s, 60 ticks
+PATIENCE = 20.0  # s of wall time for anything
+
+
+class Controller:
+    """Answers every state with a sine, as long as ``answers`` says so, and keeps all states."""
+
+    def __init__(self, node):
+        self.node = node
+        self.plant = make_plant()
+        self.states, self.times, self.others = [], [], {}
+        self.answers = lambda _tick: True
+        self.alter = lambda message: message
+        self.out = node.create_publisher(Chi, "/robot_a/chi", STREAM)
+        node.create_subscription(PlantState, "/plant/state", self.on_state, STREAM)
+        for name, kind, qos in (
+            ("/clock", Clock, STREAM),
+            ("/robot_a/joint_states", JointState, STREAM),
+            ("/robot_b/ee_pose", PoseStamped, STREAM),
+            ("/robot_b/odom", Odometry, STREAM),
+            ("/robot_a/robot_description", String, LATCHED),
+            ("/diagnostics", DiagnosticArray, STREAM),
+        ):
+            received = self.others.setdefault(name, [])
+            node.create_subscription(kind, name, received.append, qos)
+
+    def on_state(self, state):
+        self.states.append(state)
+        self.times.append(time.monotonic())
+        if state.status != PlantState.PAUSED and self.answers(state.tick):
+            self.send(state.tick)
+
+    def send(self, tick):
+        chi = array("d", sine(self.plant, tick).tobytes())
+        self.out.publish(self.alter(Chi(tick=tick, robots=list(team().names), chi=chi)))
+
+    @property
+    def last(self):
+        return self.states[-1] if self.states else PlantState()
+
+
+class System:
+    """A bridge process, and a node beside it in the same domain."""
+
+    def __init__(self, folder, **parameters):
+        self.domain = 101 + os.getpid() % 100
+        timeouts = TimeoutsConfig(command_wall=0.5)
+        scenario = changed(duration=DURATION, timeouts=timeouts, events=())
+        path = folder / "scenario.yaml"
+        path.write_text(scenario.to_yaml())
+        parameters = {"scenario": path} | parameters
+        given = [f"{name}:={value}" for name, value in parameters.items()]
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "lexstack_sim.node", "--ros-args"]
+            + [word for pair in given for word in ("-p", pair)],
+            env=os.environ | {"ROS_DOMAIN_ID": str(self.domain), "ROS_PYTHON_CHECK_FIELDS": "1"},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=self.domain)
+        self.node = Node("test_controller", context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.controller = Controller(self.node)
+
+    def until(self, condition):
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            assert self.process.poll() is None, self.process.stdout.read()
+            assert time.monotonic() < end, f"waited in vain at tick {self.controller.last.tick}"
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def spin(self, seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def call(self, name, kind=Trigger, **request):
+        client = self.node.create_client(kind, f"/sim_bridge/{name}")
+        self.until(client.service_is_ready)
+        future = client.call_async(kind.Request(**request))
+        self.until(future.done)
+        return future.result()
+
+    def ready(self):
+        controller = self.controller
+        self.until(lambda: controller.states and controller.out.get_subscription_count() > 0)
+        return controller
+
+    def release(self):
+        assert self.call("pause", SetBool, data=False).success
+
+    def stop(self, number=signal.SIGTERM):
+        self.process.send_signal(number)
+        output, _ = self.process.communicate(timeout=PATIENCE)
+        return self.process.returncode, output
+
+    def close(self):
+        if self.process.poll() is None:
+            self.process.terminate()  # a kill would leave its participant to the others
+            self.process.communicate(timeout=PATIENCE)
+        self.executor.shutdown()
+        self.node.destroy_node()
+        rclpy.shutdown(context=self.context)
+
+
+@pytest.fixture
+def bring_up(tmp_path):
+    systems = []
+
+    def make(**parameters):
+        systems.append(System(tmp_path, **parameters))
+        return systems[-1]
+
+    yield make
+    for system in systems:
+        system.close()
+
+
+def running(states):
+    return [state for state in states if state.status != PlantState.PAUSED]
+
+
+def test_lockstep_runs_the_plant_to_the_bit_and_ends_paused(bring_up):
+    system = bring_up()
+    controller = system.ready()
+    assert controller.last.status == PlantState.PAUSED
+    assert list(controller.last.robots) == list(team().names)
+    system.spin(0.3)
+    assert controller.last.tick == 0  # nothing moves before it is released
+    system.release()
+    system.until(lambda: controller.last.tick == 60)
+    assert controller.last.status == PlantState.PAUSED
+    states = running(controller.states)
+    assert [state.tick for state in states] == list(range(60))
+    plant = make_plant(duration=DURATION)
+    for state in [*states, controller.last]:
+        expected = plant.state()
+        for name in ("q", "v", "q_star", "command"):
+            np.testing.assert_array_equal(getattr(state, name), getattr(expected, name))
+        assert state.header.stamp.nanosec == round(state.tick * 1e7)
+        plant.step(sine(plant, state.tick))
+    assert controller.last.late_ticks == controller.last.missing_ticks == 0
+    assert not system.call("pause", SetBool, data=False).success  # the scenario has ended
+    code, output = system.stop()
+    assert code == 0, output
+    assert "finished: 60 ticks" in output
+    assert "Traceback" not in output
+
+
+def test_tools_get_joint_states_poses_odometry_clock_and_description(bring_up):
+    system = bring_up()
+    controller = system.ready()
+    system.release()
+    system.until(lambda: controller.last.tick == 60)
+    system.until(lambda: controller.others["/diagnostics"])
+    system.spin(0.3)
+    got = controller.others
+    joints = got["/robot_a/joint_states"]
+    stamps = sorted({message.header.stamp.nanosec for message in joints})
+    assert np.diff(stamps) == pytest.approx(0.02e9)  # 50 Hz of simulated time
+    assert {len(m.name) for m in joints} == {len(joints[0].position)} == {len(joints[0].effort)}
+    by_stamp = {state.header.stamp.nanosec: state for state in controller.states}
+    last = joints[-1]
+    np.testing.assert_allclose(last.position[:10], by_stamp[last.header.stamp.nanosec].q[:10])
+    assert max(abs(effort) for effort in last.effort) > 5.0
+    pose = got["/robot_b/ee_pose"][-1]
+    tool = team().tools(np.array(by_stamp[pose.header.stamp.nanosec].q))[1]
+    place = pose.pose.position
+    np.testing.assert_allclose([place.x, place.y, place.z], tool.position, atol=1e-9)
+    odometry = got["/robot_b/odom"][-1]
+    state = by_stamp[odometry.header.stamp.nanosec]
+    assert odometry.pose.pose.position.x == pytest.approx(state.q[10])
+    speed = np.hypot(odometry.twist.twist.linear.x, odometry.twist.twist.linear.y)
+    assert speed == pytest.approx(np.hypot(state.v[10], state.v[11]))
+    assert len({(c.clock.sec, c.clock.nanosec) for c in got["/clock"]}) == 61
+    assert "<robot" in got["/robot_a/robot_description"][-1].data
+    status = next(s for m in got["/diagnostics"] for s in m.status if s.name == "sim_bridge")
+    assert {"tick", "missing ticks", "refused commands"} <= {value.key for value in status.values}
+
+
+def test_pause_step_and_reset(bring_up):
+    system = bring_up()
+    controller = system.ready()
+    assert system.call("step").success
+    system.until(lambda: controller.last.tick == 1)
+    system.spin(0.3)
+    assert controller.last.tick == 1
+    assert controller.last.status == PlantState.PAUSED
+    controller.answers = lambda tick: tick < 20
+    system.release()
+    assert not system.call("step").success  # it runs
+    system.until(lambda: controller.last.tick == 20)
+    assert system.call("pause", SetBool, data=True).success
+    controller.answers = lambda _tick: True
+    controller.send(20)
+    system.until(lambda: controller.last.status == PlantState.PAUSED)
+    assert controller.last.tick >= 21
+    assert system.call("reset").success
+    system.until(lambda: controller.last.tick == 0)
+    system.release()
+    system.until(lambda: controller.last.tick == 60)
+    first, second = ([s for s in running(controller.states) if s.tick == 15][i] for i in (0, -1))
+    np.testing.assert_array_equal(first.q, second.q)
+
+
+def test_wrong_commands_are_refused_and_the_right_one_still_counts(bring_up):
+    system = bring_up()
+    controller = system.ready()
+    wrongs = [
+        {"tick": 7},
+        {"robots": ["robot_b", "robot_a"]},
+        {"chi": array("d", [0.0] * 19)},
+        {"chi": array("d", [float("nan")] * 20)},
+        {"status": Chi.FAILED},
+    ]
+
+    def with_wrongs(message):
+        for wrong in wrongs:
+            fields = {name: getattr(message, name) for name in ("tick", "robots", "chi", "status")}
+            controller.out.publish(Chi(**(fields | wrong)))
+        return message
+
+    controller.alter = with_wrongs
+    system.release()
+    system.until(lambda: controller.last.tick == 60)
+    assert controller.last.missing_ticks == 0
+    expected = make_plant(duration=DURATION)
+    for tick in range(60):
+        state = expected.step(sine(expected, tick))
+    np.testing.assert_array_equal(controller.last.q, state.q)
+    _, output = system.stop()
+    assert "refused" in output
+
+
+def test_lockstep_brakes_when_the_controller_is_lost_and_goes_on_when_it_returns(bring_up):
+    system = bring_up()
+    controller = system.ready()
+    controller.answers = lambda tick: not 20 <= tick < 45
+    system.release()
+    system.until(lambda: controller.last.tick == 60)
+    statuses = {state.tick: state.status for state in controller.states}
+    assert statuses[20] == PlantState.FOLLOWING
+    assert {statuses[tick] for tick in range(21, 31)} == {PlantState.HOLDING}
+    assert {statuses[tick] for tick in range(31, 46)} == {PlantState.BRAKING}
+    assert statuses[50] == PlantState.FOLLOWING
+    assert controller.last.missing_ticks == 25
+
+
+def test_realtime_keeps_the_wall_clock_and_counts_missing_commands(bring_up):
+    system = bring_up(mode="realtime")
+    controller = system.ready()
+    controller.answers = lambda tick: tick != 30
+    system.release()
+    system.until(lambda: controller.last.tick == 60)
+    first = controller.states.index(running(controller.states)[0])
+    taken = controller.times[-1] - controller.times[first]
+    assert taken == pytest.approx(DURATION, abs=0.1)
+    assert [state.tick for state in running(controller.states)] == list(range(60))
+    assert 1 <= controller.last.missing_ticks <= 20  # the rest is this machine's load
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_it_ends_cleanly_at_a_signal(bring_up, number):
+    system = bring_up()
+    controller = system.ready()
+    system.release()
+    system.until(lambda: controller.last.tick > 5)
+    code, output = system.stop(number)
+    assert code == 0, output
+    assert "Traceback" not in output
+
+
+def test_it_ends_with_the_scenario_if_asked(bring_up):
+    system = bring_up(start_paused=False, exit_at_end=True, mode="realtime")
+    output, _ = system.process.communicate(timeout=PATIENCE)
+    assert system.process.returncode == 0, output
+    assert "finished" in output
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"mode": "fast"}, "mode: 'fast' is not one of: lockstep, realtime"),
+        ({"scenario": "/nowhere.yaml"}, "/nowhere.yaml: cannot be read"),
+    ],
+)
+def test_a_wrong_parameter_is_one_clear_line(bring_up, parameters, message):
+    system = bring_up(**parameters)
+    output, _ = system.process.communicate(timeout=PATIENCE)
+    assert system.process.returncode == 2
+    assert message in output
+    assert "Traceback" not in output
