@@ -45,14 +45,14 @@ def assert_strict(given: HqpProblem):
         assert np.max(solution.slacks - optimum) <= EXCESS, (name, solution.slacks - optimum)
 
 
-@settings(max_examples=12, derandomize=True, deadline=None)
+@settings(max_examples=40, derandomize=True, deadline=None)
 @given(seed=SEEDS, n=SIZES, levels=st.integers(1, 4))
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_level_is_as_good_as_the_oracles(kind, seed, n, levels):
     assert_strict(problem(kind, seed, n, levels))
 
 
-@settings(max_examples=12, derandomize=True, deadline=None)
+@settings(max_examples=40, derandomize=True, deadline=None)
 @given(seed=SEEDS, n=SIZES, levels=st.integers(1, 4))
 @pytest.mark.parametrize("kind", KINDS)
 def test_inequality_rows_are_as_strict(kind, seed, n, levels):

@@ -16,8 +16,9 @@ from scipy.optimize import lsq_linear
 from lexstack_core.hqp import HqpProblem
 from lexstack_core.linear import Matrix, Vector
 
-PENALTY = 1e3
-ROUNDS = 200
+PENALTY = 1e2
+HARDEST = 1e6
+ROUNDS = 100
 MET = 1e-12
 
 
@@ -77,32 +78,43 @@ def _solve(
         return _bounded(matrix, target, lower, upper), 0.0
     above = np.vstack([m for m, _ in demands])
     wanted = np.concatenate([b for _, b in demands])
-    shift = np.zeros(wanted.size)
-    stacked = np.vstack([matrix, PENALTY * above])
+    shift, penalty, violation = np.zeros(wanted.size), PENALTY, np.inf
     for _ in range(ROUNDS):
-        right = np.concatenate([target, PENALTY * (wanted + shift)])
-        x = _bounded(stacked, right, lower, upper)
+        x = _bounded(
+            np.vstack([matrix, penalty * above]),
+            np.concatenate([target, penalty * (wanted + shift)]),
+            lower,
+            upper,
+        )
         gap = wanted - above @ x
         shift += gap
+        slow = np.abs(gap).max() > 0.3 * violation
         violation = float(np.abs(gap).max())
         if violation < MET:
             break
+        if slow and penalty < HARDEST:
+            # The shift is a multiplier divided by the squared penalty.
+            penalty, shift = 3.0 * penalty, shift / 9.0
     return x, violation
 
 
 def _bounded(matrix: Matrix, target: Vector, lower: Vector, upper: Vector) -> Vector:
-    """Return the bounded least-squares point; raises AssertionError if it is none."""
+    """Return the bounded least-squares point; raises AssertionError if scipy finds none."""
     fixed = upper - lower < 1e-14
     x = np.where(fixed, lower, 0.0)
-    free = ~fixed
-    result = lsq_linear(
-        matrix[:, free],
-        target - matrix @ x,
-        (lower[free], upper[free]),
-        method="bvls",
-        tol=1e-15,
-        max_iter=2000,
-    )
-    assert result.status > 0, result.message
-    x[free] = result.x
-    return np.clip(x, lower, upper)
+    free = np.flatnonzero(~fixed)
+    # At ties scipy's BVLS may divide by zero; another order of the variables breaks them.
+    for order in (free, free[::-1], np.roll(free, free.size // 2)):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            result = lsq_linear(
+                matrix[:, order],
+                target - matrix @ x,
+                (lower[order], upper[order]),
+                method="bvls",
+                tol=1e-15,
+                max_iter=2000,
+            )
+        if result.status > 0 and np.isfinite(result.x).all():
+            x[order] = result.x
+            return np.clip(x, lower, upper)
+    raise AssertionError(f"no oracle: {result.message}")

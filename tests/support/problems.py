@@ -11,9 +11,7 @@ from lexstack_core.linear import LinearTask, Matrix, Vector
 KINDS = ("nominal", "tight", "deficient", "infeasible", "pinned")
 
 
-def problem(
-    kind: str, seed: int, n: int, levels: int, inequalities: bool = False
-) -> HqpProblem:
+def problem(kind: str, seed: int, n: int, levels: int, inequalities: bool = False) -> HqpProblem:
     """Return a problem of n variables; entries of tasks are about 1, targets about 0.5.
 
     Args:

@@ -1,0 +1,239 @@
+"""All processes together: the sequence, its bits, faults, and the end."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from lexstack_interfaces.msg import TransitionStatus
+from support.processes import acceleration_ratio, chi_by_tick, read, running, short_scenario
+from support.scenario import ROOT, changed, team
+
+pytestmark = pytest.mark.system
+LIMIT = team().limits.acceleration
+
+
+def demo(*arguments, **options):
+    """Run the demo command and return what it did."""
+    environment = {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
+    return subprocess.run(
+        [sys.executable, "-m", "lexstack_ros.commands.demo", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+        cwd=ROOT,
+        env=environment,
+        **options,
+    )
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Run the default demo once, as a user does."""
+    out = tmp_path_factory.mktemp("whole") / "run"
+    return out, demo("--out", out)
+
+
+def test_the_demo_reaches_what_it_promises(whole):
+    out, done = whole
+    assert done.returncode == 0, done.stderr
+    metrics = json.loads((out / "metrics.json").read_text(encoding="utf-8"))
+    assert [phase["stack"] for phase in metrics["phases"]] == [
+        "track",
+        "reach_base",
+        "posture",
+        "track",
+    ]
+    assert all(phase["transition_s"] is not None for phase in metrics["phases"][1:])
+    assert metrics["ticks"] == 2600
+    assert metrics["peak_acceleration_ratio"] <= 1.0001
+    for key in ("empty_bounds", "solver_failures", "missing_ticks", "recorder_lost"):
+        assert metrics[key] == 0, key
+    reached, final = metrics["phases"][1], metrics["phases"][3]
+    assert max(reached["ee_error_mm"].values()) <= 2.0
+    assert max(reached["base_error_mm"].values()) <= 5.0
+    assert max(final["ee_error_mm"].values()) <= 1.0
+    assert "NOT reached" not in done.stdout
+
+
+def test_the_demo_leaves_a_complete_run_folder(whole):
+    out, _ = whole
+    names = {path.relative_to(out).as_posix() for path in out.rglob("*")}
+    assert {"bag/metadata.yaml", "metrics.json", "report.html", "scenario.yaml"} <= names
+    assert {f"logs/{n}.log" for n in ("sim_bridge", "hqp_controller", "stack_solver")} <= names
+
+
+def test_the_same_seed_gives_the_same_bits(whole, tmp_path):
+    out, _ = whole
+    again = tmp_path / "again"
+    assert demo("--out", again).returncode == 0
+    for topic in ("/robot_a/chi", "/robot_b/chi"):
+        one, other = chi_by_tick(out / "bag", topic), chi_by_tick(again / "bag", topic)
+        assert len(one) > 300
+        assert one.keys() == other.keys()
+        assert all(one[tick] == other[tick] for tick in one), topic
+
+
+def test_realtime_completes_and_counts_late_ticks(tmp_path):
+    with running(short_scenario(mode="realtime"), tmp_path) as run:
+        begun = time.monotonic()
+        run.play()
+        assert time.monotonic() - begun >= 3.9, "paced by the clock"
+        assert run.end() == []
+    states = read(tmp_path / "bag", "/plant/state")["/plant/state"]
+    assert states[-1].tick == 400
+    assert states[-1].late_ticks >= 0
+    assert acceleration_ratio(tmp_path / "bag", LIMIT, 0.01) <= 1.0001
+    phases = [m.phase for m in read(tmp_path / "bag", "/robot_a/transition")["/robot_a/transition"]]
+    assert TransitionStatus.ADOPTING in phases
+
+
+def blending(run, alpha):
+    """Return whether robot A is on its way to the new stack."""
+    status = run.player.transition
+    return (
+        status is not None and status.phase == TransitionStatus.BLENDING and status.alpha >= alpha
+    )
+
+
+@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
+def test_kill_9_of_robot_b_while_it_blends(tmp_path, mode):
+    with running(short_scenario(mode=mode), tmp_path) as run:
+        victim = run.process("stack_solver")
+
+        def watch():
+            run.supervisor.check(expected=["stack_solver"])
+            if blending(run, 0.1):
+                victim.kill()
+
+        run.play(watch)
+        assert victim.wait(5) == -signal.SIGKILL
+        run.end()
+    bag = tmp_path / "bag"
+    assert acceleration_ratio(bag, LIMIT, 0.01) <= 1.0001
+    commands = read(bag, "/robot_a/chi")["/robot_a/chi"]
+    assert sum(m.empty_bounds for m in commands) == 0
+    assert commands[-1].tick == 399, "the motion goes on"
+    statuses = read(bag, "/robot_a/transition")["/robot_a/transition"]
+    assert "robot B lost at tick" in statuses[-1].reason
+    assert "local" in {m.source for m in statuses}
+    assert statuses[-1].to_stack == "reach_base"
+    assert statuses[-1].phase == TransitionStatus.IDLE
+
+
+def test_death_of_robot_a_is_told_with_its_last_lines_and_the_plant_brakes(tmp_path):
+    timeouts = changed().scenario.timeouts
+    scenario = short_scenario(timeouts=type(timeouts)(command_wall=0.3))
+    with running(scenario, tmp_path) as run:
+        victim = run.process("hqp_controller")
+
+        def watch():
+            if blending(run, 0.5):
+                victim.kill()
+
+        run.play(watch)  # the plant goes on alone, at its own pace
+        with pytest.raises(Exception, match="hqp_controller was killed by SIGKILL"):
+            run.supervisor.check()
+        run.end()
+    states = read(tmp_path / "bag", "/plant/state")["/plant/state"]
+    assert states[-1].missing_ticks > 100
+    assert max(abs(value) for value in states[-1].command) == 0.0, "at rest"
+    import numpy as np
+
+    moving = [s for s in states if s.status != 3]
+    commands = np.array([s.command for s in moving])
+    steps = np.abs(np.diff(commands, axis=0)) / (0.01 * LIMIT)
+    assert np.abs(commands).max() > 0.1
+    assert steps.max() <= 1.0001
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+def test_every_process_ends_cleanly_on_a_signal(tmp_path, number):
+    with running(short_scenario(), tmp_path) as run:
+        run.play(lambda: None)
+        for child in run.supervisor.children:
+            child.process.send_signal(number)
+            child.process.send_signal(number)
+        codes = {c.name: c.process.wait(15) for c in run.supervisor.children}
+    assert set(codes.values()) == {0}, codes
+    assert len(read(tmp_path / "bag", "/robot_a/chi")["/robot_a/chi"]) == 400
+
+
+def test_ctrl_c_leaves_no_process_and_a_bag(tmp_path):
+    out = tmp_path / "run"
+    environment = {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
+    process = subprocess.Popen(
+        [
+            sys.executable,
+            "-m",
+            "lexstack_ros.commands.demo",
+            "--mode",
+            "realtime",
+            "--out",
+            str(out),
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=ROOT,
+        env=environment,
+    )
+    end = time.monotonic() + 60.0
+    log = out / "logs" / "hqp_controller.log"
+    while "starts at tick" not in (log.read_text(encoding="utf-8") if log.exists() else ""):
+        assert time.monotonic() < end
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.1)
+    children = children_of(process.pid)
+    assert len(children) == 4
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=40)
+    assert process.returncode == 130
+    assert "interrupted" in errors
+    assert not [pid for pid in children if Path(f"/proc/{pid}").exists()]
+    assert read(out / "bag", "/plant/state")["/plant/state"]
+
+
+def children_of(pid):
+    """Return the process ids of a process's children."""
+    return [int(p) for p in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def test_a_child_that_dies_ends_the_demo_with_its_name(tmp_path):
+    scenario = tmp_path / "broken.yaml"
+    text = (ROOT / "config/scenarios/transition-sequence.yaml").read_text(encoding="utf-8")
+    scenario.write_text(text.replace("rate: 100.0", "rate: 333.0"), encoding="utf-8")
+    done = demo(scenario, "--out", tmp_path / "run")
+    assert done.returncode == 1
+    assert "sim_bridge ended with exit code 2" in done.stderr
+    assert "multiple of" in done.stderr, "with the last lines of its log"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nonsense"], "unknown scenario 'nonsense'; known: "),
+        (["--mode", "warp"], "invalid choice"),
+        (["--seed", "-1"], "--seed: must be in"),
+        (["--seed", "x"], "invalid int value"),
+        (["--out", "/proc/nothing/here"], "--out: "),
+    ],
+)
+def test_bad_arguments_give_one_line_and_exit_code_2(arguments, message):
+    done = demo(*arguments)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_folder_that_holds_something_is_refused(tmp_path):
+    (tmp_path / "precious").touch()
+    done = demo("--out", tmp_path)
+    assert done.returncode == 2
+    assert "is not empty" in done.stderr
