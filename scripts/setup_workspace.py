@@ -58,8 +58,9 @@ class Setup:
             shutil.rmtree(self._venv, ignore_errors=True)
             native = ["--system-site-packages"] if self._ros.prefix else []
             steps.run(BASE_PYTHON, "-m", "venv", *native, self._venv)
-        count = len(ros.split_lock(lock))
-        with steps.step(f"install {count} packages", "the package registry must be reachable"):
+        with steps.step(
+            "install the packages of requirements.lock", "the package registry must be reachable"
+        ):
             self._install(steps, ros.split_lock(lock)["setuptools"])
             self._install(steps, lock)
         with steps.step("adapt the packages' CMake files"):

@@ -7,7 +7,7 @@ PACKAGE = "lexstack_sim"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Simulated plant of lexstack: MuJoCo, joint impedance control, and the bridge node.",
+    description="Simulated plant of lexstack: MuJoCo, joint impedance control, the bridge node.",
     license="Apache-2.0",
     maintainer="The lexstack authors",
     maintainer_email="lexstack@users.noreply.github.com",

@@ -9,14 +9,16 @@ from functools import partial
 from time import monotonic
 from typing import TypeVar
 
+import numpy as np
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
-from lexstack_core.errors import InputError
+from lexstack_core.errors import InputError, LexstackError
 from lexstack_core.model import Team
 from lexstack_core.state import RobotState
 from lexstack_interfaces.msg import Chi
+from lexstack_interfaces.srv import ApplyWrench
 from lexstack_ros.conversions import check_robots, to_vector
 from lexstack_ros.diagnostics import Diagnostics, Health
 from lexstack_ros.parameters import scenario_parameter
@@ -32,7 +34,7 @@ from lexstack_sim.topics import PlantTopics
 
 _COMMAND = "/robot_a/chi"
 _EARLY = 1e-4  # s, by which a timer may come too early
-Answer = TypeVar("Answer", SetBool.Response, Trigger.Response)
+Answer = TypeVar("Answer", ApplyWrench.Response, SetBool.Response, Trigger.Response)
 
 
 class SimBridge(Node):
@@ -56,6 +58,7 @@ class SimBridge(Node):
         self.create_service(SetBool, "~/pause", self._on_pause)
         self.create_service(Trigger, "~/step", self._on_step)
         self.create_service(Trigger, "~/reset", self._on_reset)
+        self.create_service(ApplyWrench, "~/apply_wrench", self._on_wrench)
         Diagnostics(self, self._health)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = self.create_timer(1.0, self._on_timer, clock=wall)
@@ -125,12 +128,27 @@ class SimBridge(Node):
         """Put the robots where the scenario starts; paused or running, as before."""
         return self._answer(self._cycle.reset, response)
 
+    def _on_wrench(
+        self, request: ApplyWrench.Request, response: ApplyWrench.Response
+    ) -> ApplyWrench.Response:
+        """Push a link from now on."""
+        force, torque = request.wrench.force, request.wrench.torque
+        push = partial(
+            self._plant.apply_wrench,
+            request.robot,
+            request.link,
+            np.array([force.x, force.y, force.z]),
+            np.array([torque.x, torque.y, torque.z]),
+            request.duration,
+        )
+        return self._answer(push, response)
+
     def _answer(self, action: Callable[[], None], response: Answer) -> Answer:
         """Do what a service asks; say why where it cannot be done."""
         try:
             action()
             response.success = True
-        except InputError as error:
+        except LexstackError as error:
             response.message = str(error)
         self._wake_up()
         return response

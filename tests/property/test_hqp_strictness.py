@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from support.oracle import lexicographic_oracle
-from support.problems import KINDS, near_singular, problem, truncated
 
 from lexstack_core.hqp import HqpProblem, Solution, Status
 from lexstack_core.hqp.daqp_cascade import DaqpCascade
 from lexstack_core.hqp.proxqp_cascade import ProxqpCascade
+from support.oracle import lexicographic_oracle
+from support.problems import KINDS, near_singular, problem, truncated
 
 EXCESS = 1e-8
 SINGULAR_EXCESS = 1e-5

@@ -19,7 +19,7 @@ from lexstack_core.linear import Matrix, Vector
 PENALTY = 1e2
 HARDEST = 1e6
 ROUNDS = 100
-MET = 1e-12
+MET = 3e-14
 
 
 @dataclass(frozen=True)

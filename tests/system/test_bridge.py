@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, Vector3, Wrench
 from nav_msgs.msg import Odometry
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -24,6 +24,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from lexstack_core.config.scenario import TimeoutsConfig
 from lexstack_interfaces.msg import Chi, PlantState
+from lexstack_interfaces.srv import ApplyWrench
 from lexstack_ros.qos import LATCHED, STREAM
 from support.plants import make_plant, sine
 from support.scenario import changed, team
@@ -75,7 +76,7 @@ class System:
     """A bridge process, and a node beside it in the same domain."""
 
     def __init__(self, folder, **parameters):
-        self.domain = 101 + os.getpid() % 100
+        self.domain = 101 + os.getpid() % 100  # beyond those that runs choose from
         timeouts = TimeoutsConfig(command_wall=0.5)
         scenario = changed(duration=DURATION, timeouts=timeouts, events=())
         path = folder / "scenario.yaml"
@@ -236,6 +237,28 @@ def test_pause_step_and_reset(bring_up):
     system.until(lambda: controller.last.tick == 60)
     first, second = ([s for s in running(controller.states) if s.tick == 15][i] for i in (0, -1))
     np.testing.assert_array_equal(first.q, second.q)
+
+
+def test_a_push_moves_the_link_and_a_wrong_one_is_refused(bring_up):
+    system = bring_up()
+    controller = system.ready()
+    controller.alter = lambda message: Chi(
+        tick=message.tick, robots=message.robots, chi=array("d", [0.0] * 20)
+    )
+    wrong = system.call("apply_wrench", ApplyWrench, robot="robot_c", link="tool", duration=0.1)
+    assert not wrong.success
+    assert "unknown robot 'robot_c'; known: robot_a, robot_b" in wrong.message
+    wrong = system.call("apply_wrench", ApplyWrench, robot="robot_a", link="tool")
+    assert "duration: must be finite and > 0" in wrong.message
+    push = Wrench(force=Vector3(x=30.0))
+    given = {"robot": "robot_b", "link": "panda_link4", "wrench": push, "duration": 0.2}
+    assert system.call("apply_wrench", ApplyWrench, **given).success
+    system.release()
+    system.until(lambda: controller.last.tick == 60)
+    moved = np.abs(np.array([s.q for s in controller.states]) - controller.states[0].q).max(axis=0)
+    assert moved[13:].max() > 2e-3, "the arm that was pushed"
+    assert moved[:10].max() < 1e-6, "the other robot"
+    assert np.abs(np.array(controller.last.q) - controller.states[0].q).max() < 1e-3, "back"
 
 
 def test_wrong_commands_are_refused_and_the_right_one_still_counts(bring_up):

@@ -7,7 +7,7 @@ PACKAGE = "lexstack_core"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Control core of lexstack: models, tasks, bounds, hierarchical QP, stack transitions.",
+    description="Control core of lexstack: models, tasks, bounds, hierarchical QP, transitions.",
     license="Apache-2.0",
     maintainer="The lexstack authors",
     maintainer_email="lexstack@users.noreply.github.com",

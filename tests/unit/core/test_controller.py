@@ -226,6 +226,14 @@ def test_cancel_without_a_transition_is_refused():
     assert answer.message == "there is no transition to cancel"
 
 
+def test_a_request_by_topic_is_answered_in_the_state():
+    run = loop()
+    assert not run.controller.transition.request("dance").accepted
+    assert run.step().transition.reason.startswith("refused: unknown stack 'dance'")
+    assert run.controller.transition.request("posture").accepted
+    assert run.step().transition.reason == ""
+
+
 def test_a_reference_step_while_it_blends_is_bridged():
     run = loop(transition=TransitionConfig(duration=0.5))
     run.controller.transition.ask("reach_base", 0.0, "", 1)

@@ -106,22 +106,24 @@ class Hierarchy:
         matrix, equal = self.matrix[rows], self.equal[rows]
         flat = matrix.reshape(-1)
         exact = self.exact or bool(equal.all())
-        norm = math.sqrt(flat.dot(flat)) or 1.0
+        with np.errstate(over="ignore"):
+            norm = math.sqrt(flat.dot(flat)) or 1.0
         return LevelRows(matrix, self.lower[rows], self.upper[rows], equal, exact, norm)
 
     def slacks(self, chi: Vector) -> list[float]:
         """Return the norm of each level's residual: NaN or inf where the level is not finite."""
-        value = self.matrix.dot(chi)
-        nearest = self.lower
-        if not self.exact:
-            nearest = np.minimum(np.maximum(value, self.lower), self.upper)
-        residual = value - nearest
         slacks = []
         start = 0
-        for end in self.ends:
-            part = residual[start:end]
-            slacks.append(math.sqrt(part.dot(part)))
-            start = end
+        with np.errstate(invalid="ignore", over="ignore"):
+            value = self.matrix.dot(chi)
+            nearest = self.lower
+            if not self.exact:
+                nearest = np.minimum(np.maximum(value, self.lower), self.upper)
+            residual = value - nearest
+            for end in self.ends:
+                part = residual[start:end]
+                slacks.append(math.sqrt(part.dot(part)))
+                start = end
         return slacks
 
 

@@ -65,6 +65,8 @@ def pose_error(actual: Pose, desired: Pose) -> Vector:
 
 
 def saturated(vector: Vector, limit: float) -> Vector:
-    """Return the vector, shortened to length ``limit`` where it is longer."""
-    norm = float(np.sqrt(vector @ vector))
-    return vector if norm <= limit else vector * (limit / norm)
+    """Return the vector v, shortened to v / sqrt(1 + |v|^2 / limit^2), shorter than ``limit``.
+
+    A plain cut would bend sharply where it ends: a jump of gain x limit in acceleration.
+    """
+    return vector / float(np.sqrt(1.0 + (vector @ vector) / (limit * limit)))

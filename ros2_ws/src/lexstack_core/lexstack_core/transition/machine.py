@@ -96,6 +96,13 @@ class Transition:
         """Return the answer to a request to switch; see RequestBook.ask."""
         return self._ask(stack, duration, method, at_tick, "")
 
+    def request(self, stack: str) -> Answer:
+        """Ask as configured, for those who hear no answer: a refusal stands in the state."""
+        answer = self._ask(stack, 0.0, "", 0, "")
+        if not answer.accepted:
+            self._reason = f"refused: {answer.message}"
+        return answer
+
     def cancel(self) -> Answer:
         """Give up the transition under way and those scheduled, and go back smoothly."""
         dropped = [*self._book.scheduled, *([self._pending] if self._pending else [])]

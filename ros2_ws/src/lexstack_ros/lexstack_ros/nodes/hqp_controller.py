@@ -136,7 +136,7 @@ class HqpControllerNode(Node):
 
     def _on_request(self, message: String) -> None:
         """Do as the service, with the values of the configuration."""
-        answer = self._controller.transition.ask(message.data, 0.0, "", 0)
+        answer = self._controller.transition.request(message.data)
         self._announce()
         self.get_logger().info(answer.message)
 

@@ -1,0 +1,169 @@
+"""Robot A's topics and services, as a user calls them, without our player."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rclpy
+from geometry_msgs.msg import PoseStamped
+from std_msgs.msg import String
+from std_srvs.srv import SetBool, Trigger
+
+from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
+from lexstack_interfaces.srv import SwitchStack
+from lexstack_ros.qos import STREAM
+from support.processes import running, short_scenario
+
+pytestmark = pytest.mark.system
+PATIENCE = 20.0  # s
+
+
+class User:
+    """A node beside the run's own."""
+
+    def __init__(self, run):
+        self.run = run
+        self.node = rclpy.create_node("user")
+        run.executor.add_node(self.node)
+        self.statuses, self.states, self.commands = [], [], []
+        for kind, topic, heard in (
+            (TransitionStatus, "/robot_a/transition", self.statuses),
+            (PlantState, "/plant/state", self.states),
+            (Chi, "/robot_a/chi", self.commands),
+        ):
+            self.node.create_subscription(kind, topic, heard.append, STREAM)
+
+    def until(self, condition):
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            self.run.supervisor.check()
+            assert time.monotonic() < end, self.statuses[-1:]
+            self.run.executor.spin_once(timeout_sec=0.05)
+
+    def call(self, kind, name, **request):
+        client = self.node.create_client(kind, name)
+        self.until(client.service_is_ready)
+        future = client.call_async(kind.Request(**request))
+        self.until(future.done)
+        return future.result()
+
+    def publisher(self, kind, topic):
+        publisher = self.node.create_publisher(kind, topic, STREAM)
+        self.until(lambda: publisher.get_subscription_count() >= 1)
+        time.sleep(0.5)  # the other side must know the publisher too
+        return publisher
+
+    def last(self):
+        return self.statuses[-1] if self.statuses else TransitionStatus()
+
+
+@pytest.fixture(scope="module")
+def user(tmp_path_factory):
+    """Return a user of a long realtime run without events."""
+    scenario = short_scenario(mode="realtime", events=(), duration=600.0)
+    with running(scenario, tmp_path_factory.mktemp("run")) as run:
+        user = User(run)
+        assert user.call(SetBool, "/sim_bridge/pause", data=False).success
+        user.until(lambda: user.statuses)
+        yield user
+        user.node.destroy_node()
+
+
+def test_a_switch_by_service_is_answered_at_once_and_adopted(user):
+    answer = user.call(SwitchStack, "/robot_a/switch_stack", stack="reach_base", duration=0.3)
+    assert answer.accepted
+    assert answer.id > 0
+    user.until(lambda: user.last().id == answer.id)
+    user.until(lambda: user.last().phase == TransitionStatus.IDLE)
+    assert user.last().to_stack == "reach_base"
+
+
+@pytest.mark.parametrize(
+    ("request_", "reason"),
+    [
+        ({"stack": "dance"}, "unknown stack 'dance'; known: "),
+        ({"stack": ""}, "unknown stack ''"),
+        ({"stack": "track", "duration": -1.0}, "duration: must be in"),
+        ({"stack": "track", "duration": float("nan")}, "duration: must be in"),
+        ({"stack": "track", "method": "jump"}, "unknown method 'jump'"),
+        ({"stack": "track", "at_tick": 1}, "at_tick: 1 is over"),
+    ],
+)
+def test_a_wrong_switch_is_refused_with_its_reason(user, request_, reason):
+    answer = user.call(SwitchStack, "/robot_a/switch_stack", **request_)
+    assert not answer.accepted
+    assert answer.id == 0
+    assert reason in answer.message
+
+
+def test_a_switch_by_topic_needs_no_own_interfaces(user):
+    before = user.last().id
+    user.publisher(String, "/robot_a/request_stack").publish(String(data="posture"))
+    user.until(lambda: user.last().id > before and user.last().phase == TransitionStatus.IDLE)
+    assert user.last().to_stack == "posture"
+
+
+def test_a_refused_switch_by_topic_is_told_in_the_transition(user):
+    before = user.last()
+    user.publisher(String, "/robot_a/request_stack").publish(String(data="dance"))
+    user.until(lambda: "unknown stack 'dance'" in user.last().reason)
+    assert user.last().to_stack == before.to_stack
+
+
+def test_cancel_goes_back(user):
+    refused = user.call(Trigger, "/robot_a/cancel_transition")
+    assert not refused.success
+    assert refused.message == "there is no transition to cancel"
+    origin = user.last().to_stack
+    assert user.call(SwitchStack, "/robot_a/switch_stack", stack="track", duration=5.0).accepted
+    user.until(lambda: user.last().phase == TransitionStatus.BLENDING)
+    assert user.call(Trigger, "/robot_a/cancel_transition").success
+    user.until(lambda: any(s.phase == TransitionStatus.ABORTED for s in user.statuses))
+    user.until(lambda: user.last().phase == TransitionStatus.IDLE)
+    assert user.last().to_stack == origin
+
+
+def test_a_target_moves_the_tool(user):
+    assert user.call(SwitchStack, "/robot_a/switch_stack", stack="track", duration=0.2).accepted
+    user.until(lambda: user.last().to_stack == "track" and user.last().phase == 0)
+    poses = []
+    user.node.create_subscription(PoseStamped, "/robot_a/ee_pose", poses.append, STREAM)
+    user.until(lambda: poses)
+    goal = poses[-1]
+    goal.header.stamp.sec = goal.header.stamp.nanosec = 0
+    goal.pose.position.x += 0.05
+    user.publisher(PoseStamped, "/robot_a/ee_target").publish(goal)
+    user.until(lambda: abs(poses[-1].pose.position.x - goal.pose.position.x) < 2e-3)
+
+
+def test_wrong_messages_do_not_move_a_robot(user):
+    """NaN, a wrong length, wrong robots and foreign ticks, on every topic that A and B hear."""
+    calm = np.array(user.commands[-1].chi)
+    states = user.publisher(PlantState, "/plant/state")
+    last = user.states[-1]
+    for change in (
+        {"q": [float("nan")] * 20},
+        {"q": [0.0] * 3},
+        {"robots": ["x"]},
+        {"tick": 2, "q": [9.0] * 20},  # long over
+    ):
+        bad = PlantState(tick=last.tick + 1, robots=last.robots, q=last.q, v=last.v)
+        bad.q_star, bad.command = last.q_star, last.command
+        for field, value in change.items():
+            setattr(bad, field, value)
+        states.publish(bad)
+    source = user.publisher(Chi, "/robot_b/chi")
+    source.publish(Chi(robots=last.robots, chi=[float("nan")] * 20))
+    source.publish(Chi(robots=last.robots, chi=[1.0] * 20, transition_id=999, tick=last.tick))
+    targets = user.publisher(PoseStamped, "/robot_a/ee_target")
+    wrong = PoseStamped()
+    wrong.pose.position.x = float("nan")
+    targets.publish(wrong)
+    seen = len(user.commands)
+    user.until(lambda: len(user.commands) > seen + 50)
+    recent = np.array([m.chi for m in user.commands[seen:]])
+    assert np.abs(recent - calm).max() < 0.05
+    assert user.commands[-1].tick - user.commands[seen].tick <= len(recent) + 5, "none left out"
+    log = Path(user.run.out / "logs" / "hqp_controller.log").read_text(encoding="utf-8")
+    assert "refused: " in log
