@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 import rclpy
 from geometry_msgs.msg import PoseStamped
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
@@ -109,6 +111,27 @@ def test_a_refused_switch_by_topic_is_told_in_the_transition(user):
     user.publisher(String, "/robot_a/request_stack").publish(String(data="dance"))
     user.until(lambda: "unknown stack 'dance'" in user.last().reason)
     assert user.last().to_stack == before.to_stack
+
+
+def test_parameters_change_what_an_empty_request_stands_for(user):
+    def set_parameter(value):
+        parameter = Parameter(name="transition_duration", value=value)
+        if isinstance(value, str):
+            parameter = Parameter(name="transition_method", value=value)
+        answer = user.call(
+            SetParameters,
+            "/hqp_controller/set_parameters",
+            parameters=[parameter.to_parameter_msg()],
+        )
+        return answer.results[0]
+
+    assert not set_parameter(-1.0).successful
+    assert "unknown method 'jump'; known: bridge" in set_parameter("jump").reason
+    assert set_parameter(0.25).successful
+    assert user.call(SwitchStack, "/robot_a/switch_stack", stack="posture").accepted
+    user.until(lambda: user.last().phase == TransitionStatus.BLENDING)
+    assert user.last().duration == 0.25
+    user.until(lambda: user.last().phase == TransitionStatus.IDLE)
 
 
 def test_cancel_goes_back(user):

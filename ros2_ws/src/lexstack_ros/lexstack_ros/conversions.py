@@ -53,13 +53,14 @@ def to_array(vector: Vector) -> array[float]:
 
 
 def to_vector(values: Any, n: int, field: str) -> Vector:
-    """Return a float64[] field as a new vector of shape (n,), finite; raises InputError."""
+    """Return a float64[] field as a new read-only vector (n,), finite; raises InputError."""
     vector = np.array(values, dtype=np.float64)
     if vector.shape != (n,):
         raise InputError(f"{field}: expected {n} values, got {vector.size}")
     if not np.isfinite(vector).all():
         where = int(np.flatnonzero(~np.isfinite(vector))[0])
         raise InputError(f"{field}[{where}]: must be finite, got {vector[where]}")
+    vector.setflags(write=False)
     return vector
 
 

@@ -117,10 +117,10 @@ class NullSpaceCascade:
             rounding = qp.objective.dot(factor.null).dot(factor.null.T)
             qp = replace(qp, objective=qp.objective - rounding)
         try:
-            answer = self._backend.solve(qp, guess)
+            sides = self._backend.solve(qp, guess)
         except _BACKEND_ERRORS as error:
             return str(error)
-        return answer.reason or refine(qp, answer)
+        return sides if isinstance(sides, str) else refine(qp, sides)
 
 
 def _smallest(n: int) -> LevelRows:

@@ -8,7 +8,7 @@ import daqp
 import numpy as np
 
 from lexstack_core.hqp.cascade import NullSpaceCascade
-from lexstack_core.hqp.qp import LevelQp, QpAnswer
+from lexstack_core.hqp.qp import LevelQp
 from lexstack_core.hqp.rows import Hierarchy, Signs
 from lexstack_core.hqp.weights import weighted_qp
 from lexstack_core.linear import Vector
@@ -35,10 +35,10 @@ class DaqpBackend:
 
     name = "daqp"
 
-    def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:
+    def solve(self, qp: LevelQp, guess: Signs) -> Signs | str:
         """Solve with DAQP; ``guess`` becomes its first working set."""
-        answer = _solve(qp, guess, qp.proximal, _ITERATIONS)
-        return _solve(qp, guess, _SECOND_PROXIMAL, _ITERATIONS) if answer.reason else answer
+        sides = _solve(qp, guess, qp.proximal, _ITERATIONS)
+        return _solve(qp, guess, _SECOND_PROXIMAL, _ITERATIONS) if isinstance(sides, str) else sides
 
     def foresee(
         self, hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Signs
@@ -47,11 +47,11 @@ class DaqpBackend:
         if np.count_nonzero(~hierarchy.equal) > lower.size:
             return None  # with many slacks DAQP takes longer for this than the cascade
         qp = weighted_qp(hierarchy, lower, upper)
-        answer = _solve(qp, guess, qp.proximal, _FEW_ITERATIONS)
-        return None if answer.reason else np.sign(answer.multipliers).astype(np.int8)
+        sides = _solve(qp, guess, qp.proximal, _FEW_ITERATIONS)
+        return None if isinstance(sides, str) else sides
 
 
-def _solve(qp: LevelQp, guess: Signs, proximal: float, iterations: int) -> QpAnswer:
+def _solve(qp: LevelQp, guess: Signs, proximal: float, iterations: int) -> Signs | str:
     """Call DAQP. Its arrays must be writable: it refuses those of a frozen value."""
     hessian, gradient = qp.quadratic()
     hessian.reshape(-1)[:: gradient.size + 1] += proximal
@@ -59,7 +59,7 @@ def _solve(qp: LevelQp, guess: Signs, proximal: float, iterations: int) -> QpAns
     sense = np.zeros(lower.size, dtype=np.intc)
     sense[: guess.size][guess > 0] = _ACTIVE
     sense[: guess.size][guess < 0] = _ACTIVE | _LOWER
-    x, _, flag, info = daqp.solve(
+    _, _, flag, info = daqp.solve(
         hessian,
         gradient,
         qp.rows,
@@ -72,9 +72,10 @@ def _solve(qp: LevelQp, guess: Signs, proximal: float, iterations: int) -> QpAns
     )
     multipliers = info["lam"]
     if flag <= 0:
-        return QpAnswer(x, multipliers, _WORDS.get(flag, f"exit flag {flag}"))
-    finite = math.isfinite(x.dot(x)) and math.isfinite(multipliers.dot(multipliers))
-    return QpAnswer(x, multipliers, "" if finite else "not finite")
+        return _WORDS.get(flag, f"exit flag {flag}")
+    if not math.isfinite(multipliers.dot(multipliers)):
+        return "not finite"
+    return np.sign(multipliers).astype(np.int8)
 
 
 class DaqpCascade(NullSpaceCascade):

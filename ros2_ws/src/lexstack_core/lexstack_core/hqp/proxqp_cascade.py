@@ -8,7 +8,7 @@ import numpy as np
 import proxsuite
 
 from lexstack_core.hqp.cascade import NullSpaceCascade
-from lexstack_core.hqp.qp import LevelQp, QpAnswer
+from lexstack_core.hqp.qp import LevelQp
 from lexstack_core.hqp.rows import Hierarchy, Signs
 from lexstack_core.linear import Vector
 
@@ -24,7 +24,7 @@ class ProxqpBackend:
 
     name = "proxqp"
 
-    def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:  # noqa: ARG002
+    def solve(self, qp: LevelQp, guess: Signs) -> Signs | str:  # noqa: ARG002
         """Solve with ProxQP; it starts cold, because a working set is of no use to it."""
         hessian, gradient = qp.quadratic()
         lower, upper = qp.limits()
@@ -36,14 +36,13 @@ class ProxqpBackend:
             results = solver.results
             # It stalls at its iteration limit on degenerate levels and returns what it has got.
             if results.info.status == _proxqp.QPSolverOutput.PROXQP_SOLVED:
-                x, multipliers = results.x.copy(), results.z.copy()
                 # A row holds if its multiplier is larger than its distance to the bound: both
                 # are zero up to the accuracy for the others.
-                value = qp.rows.dot(x)
-                gap = np.where(multipliers > 0.0, upper - value, value - lower)
-                multipliers[np.abs(multipliers) <= np.maximum(gap, accuracy)] = 0.0
-                return QpAnswer(x, multipliers, "")
-        return QpAnswer(results.x, results.z, results.info.status.name)
+                value = qp.rows.dot(results.x)
+                gap = np.where(results.z > 0.0, upper - value, value - lower)
+                holds = np.abs(results.z) > np.maximum(gap, accuracy)
+                return (np.sign(results.z) * holds).astype(np.int8)
+        return str(results.info.status.name)
 
     def foresee(
         self,

@@ -114,28 +114,21 @@ def level_qp(
     )
 
 
-@dataclass(frozen=True, slots=True)
-class QpAnswer:
-    """What a backend found; every vector may be inaccurate by the backend's tolerance.
-
-    Attributes:
-        x: shape (r + s,).
-        multipliers: of the rows, positive at the upper bound, zero inside, shape (h + s,).
-        reason: empty when solved, else the backend's word for why not.
-    """
-
-    x: Vector
-    multipliers: Vector
-    reason: str
-
-
 class QpBackend(Protocol):
     """Solves the quadratic program of a level; one file per library."""
 
     name: str
 
-    def solve(self, qp: LevelQp, guess: Signs) -> QpAnswer:
-        """Solve; ``guess`` says which of the first rows probably hold, shape (at most h,)."""
+    def solve(self, qp: LevelQp, guess: Signs) -> Signs | str:
+        """Return which rows hold at the optimum, shape (h + s,), or its word for why not.
+
+        Only the active set is asked for: the optimum that belongs to it is computed exactly, and
+        does not depend on the last bits of a library.
+
+        Args:
+            qp: the level.
+            guess: which of the first rows probably hold, shape (at most h,).
+        """
         ...
 
     def foresee(

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lexstack_core.hqp.factor import Factor, factorise
-from lexstack_core.hqp.qp import LevelQp, QpAnswer
+from lexstack_core.hqp.qp import LevelQp
 from lexstack_core.hqp.rows import FEASIBILITY, MULTIPLIER, Signs
 from lexstack_core.linear import Matrix, Vector
 
@@ -54,10 +54,15 @@ class _Corner:
     objective: Factor
 
 
-def refine(qp: LevelQp, answer: QpAnswer) -> Point | str:
-    """Return the exact optimum next to a backend's answer, or why there is none."""
-    x = _inside(qp, answer.x)
-    sides = np.sign(answer.multipliers).astype(np.int8)
+def refine(qp: LevelQp, sides: Signs) -> Point | str:
+    """Return the exact optimum of a level, or why there is none.
+
+    Args:
+        qp: the level.
+        sides: where the rows probably hold, shape (h + s,).
+    """
+    x = qp.start
+    sides = sides.copy()
     for _ in range(_STEPS):
         corner = _corner(qp, x, sides)
         part, row = _reach(qp, x, corner.x, sides)
@@ -70,7 +75,7 @@ def refine(qp: LevelQp, answer: QpAnswer) -> Point | str:
         if worst < 0 or pulled[worst] >= -MULTIPLIER:
             return _point(qp, corner)
         sides[worst] = 0
-    return "no optimum next to the answer"
+    return "no optimum near its active set"
 
 
 def _corner(qp: LevelQp, x: Vector, sides: Signs) -> _Corner:
@@ -101,17 +106,6 @@ def _reach(qp: LevelQp, x: Vector, corner: Vector, sides: Signs) -> tuple[float,
     part = 1.0 - excess[outside] / np.abs(way)
     first = int(np.argmin(part))
     return min(max(float(part[first]), 0.0), 1.0), int(outside[first])
-
-
-def _inside(qp: LevelQp, x: Vector) -> Vector:
-    """Return the point next to x, towards the start, that is inside all rows."""
-    value, inner = qp.rows.dot(x), qp.rows.dot(qp.start)
-    excess = np.maximum(value - qp.upper, qp.lower - value)
-    outside = np.flatnonzero(excess > FEASIBILITY)
-    if outside.size == 0:
-        return x
-    back = float(np.max(excess[outside] / np.abs(value - inner)[outside]))
-    return x + min(back, 1.0) * (qp.start - x)
 
 
 def _point(qp: LevelQp, corner: _Corner) -> Point:

@@ -96,6 +96,10 @@ class Transition:
         """Return the answer to a request to switch; see RequestBook.ask."""
         return self._ask(stack, duration, method, at_tick, "")
 
+    def set_defaults(self, duration: float, method: str) -> None:
+        """Change what an empty duration [s] and method stand for; see RequestBook."""
+        self._book.set_defaults(duration, method)
+
     def request(self, stack: str) -> Answer:
         """Ask as configured, for those who hear no answer: a refusal stands in the state."""
         answer = self._ask(stack, 0.0, "", 0, "")

@@ -49,9 +49,14 @@ class RequestBook:
     def __init__(self, stacks: Collection[str], defaults: TransitionConfig) -> None:
         """Know the stacks that may be asked for, and what an empty field stands for."""
         self._stacks = stacks
-        self._defaults = defaults
+        self._duration = defaults.duration
+        self._method: str = defaults.method
         self._scheduled: list[SwitchRequest] = []
         self._count = 0
+
+    def set_defaults(self, duration: float, method: str) -> None:
+        """Change what an empty duration [s] and method stand for from now on."""
+        self._duration, self._method = duration, method
 
     def ask(
         self, stack: str, duration: float, method: str, at_tick: int, now: int, reason: str = ""
@@ -73,8 +78,8 @@ class RequestBook:
         request = SwitchRequest(
             self._count,
             stack,
-            duration or self._defaults.duration,
-            method or self._defaults.method,
+            duration or self._duration,
+            method or self._method,
             at_tick or now + 1,
             reason,
         )

@@ -29,6 +29,7 @@ from lexstack_ros.qos import LATCHED, STREAM
 from lexstack_ros.readiness import Readiness
 from lexstack_ros.references import TargetTopics
 from lexstack_ros.spin import run_node
+from lexstack_ros.tuning import TransitionParameters
 
 _LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
 
@@ -63,6 +64,7 @@ class HqpControllerNode(Node):
         self.create_service(SwitchStack, "/robot_a/switch_stack", self._on_switch)
         self.create_service(Trigger, "/robot_a/cancel_transition", self._on_cancel)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
+        TransitionParameters(self, self._resolved.scenario.transition, self._set_defaults)
         self.create_timer(_LOOK, self._on_look, clock=wall)
         Diagnostics(self, self._health)
         self._readiness = Readiness(self, hears_plant=False)
@@ -133,6 +135,10 @@ class HqpControllerNode(Node):
         response.id = 0 if answer.request is None else answer.request.id
         response.message = answer.message
         return response
+
+    def _set_defaults(self, duration: float, method: str) -> None:
+        """Take changed parameters."""
+        self._controller.transition.set_defaults(duration, method)
 
     def _on_request(self, message: String) -> None:
         """Do as the service, with the values of the configuration."""
