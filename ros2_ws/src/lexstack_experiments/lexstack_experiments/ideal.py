@@ -26,9 +26,7 @@ class IdealPlant:
 
     def state(self) -> RobotState:
         """Return the present state: q* is q."""
-        return RobotState(
-            self._tick, self._tick * self._dt, self._q, self._chi, self._q, self._chi
-        )
+        return RobotState(self._tick, self._tick * self._dt, self._q, self._chi, self._q, self._chi)
 
     def step(self, chi: Vector | None) -> RobotState:
         """Advance by one tick; without a command the last one goes on."""

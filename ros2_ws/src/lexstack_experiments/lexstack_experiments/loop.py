@@ -48,9 +48,7 @@ class Loop:
         """Build all parts and schedule the scenario's events; default plant: MuJoCo's."""
         self.resolved = resolved
         self.parts = Parts.of(resolved)
-        self.plant: AnyPlant = plant or Plant(
-            resolved, self.parts.team, resolved.scenario.seed
-        )
+        self.plant: AnyPlant = plant or Plant(resolved, self.parts.team, resolved.scenario.seed)
         self.controller = build_controller(resolved, self.parts)
         self.references_b = build_references(resolved, self.parts.team)
         self.solver_b = build_stack_solver(resolved, self.parts)
@@ -109,4 +107,3 @@ def targets_of(event: EventConfig, team: Team) -> list[Target]:
         for name, base in event.base_target.items()
     ]
     return poses + bases
-

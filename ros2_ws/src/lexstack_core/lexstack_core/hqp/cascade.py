@@ -138,9 +138,9 @@ def _start(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> tuple[Vector, 
         reason = f"bounds: joint {joint}: [{lower[joint]}, {upper[joint]}] holds no number"
         return np.where(usable, chi, 0.0), reason
     for k, slack in enumerate(hierarchy.slacks(chi)):
-        if not math.isfinite(slack):
-            return chi, f"level {k}: a task holds a number that is not finite"
         level = hierarchy.levels[k]
+        if not math.isfinite(slack + level.norm):
+            return chi, f"level {k}: a task holds a number that is not finite, or too large"
         if not level.exact and not (level.lower <= level.upper).all():
             return chi, f"level {k}: a task has a row whose lower end is above its upper end"
     return chi, ""

@@ -75,7 +75,8 @@ def _solve(qp: LevelQp, guess: Signs, proximal: float, iterations: int) -> Signs
         return _WORDS.get(flag, f"exit flag {flag}")
     if not math.isfinite(multipliers.dot(multipliers)):
         return "not finite"
-    return np.sign(multipliers).astype(np.int8)
+    sides: Signs = np.sign(multipliers).astype(np.int8)
+    return sides
 
 
 class DaqpCascade(NullSpaceCascade):

@@ -41,7 +41,8 @@ class ProxqpBackend:
                 value = qp.rows.dot(results.x)
                 gap = np.where(results.z > 0.0, upper - value, value - lower)
                 holds = np.abs(results.z) > np.maximum(gap, accuracy)
-                return (np.sign(results.z) * holds).astype(np.int8)
+                sides: Signs = (np.sign(results.z) * holds).astype(np.int8)
+                return sides
         return str(results.info.status.name)
 
     def foresee(

@@ -1,9 +1,9 @@
-"""From what a backend found to the exact optimum of a level, and the freedom it leaves.
+"""From the rows that hold to the exact optimum of a level, and the freedom it leaves.
 
 A backend's answer is as good as its tolerances and its regularisation. The rows that it found to
 hold, taken as equations, leave a least-squares problem without either. If its solution is not the
-optimum, near singularities for instance, a primal active-set method goes on from there: to the
-next row in the way, or away from the row that pulls most. This is mostly over after one look.
+optimum, near singularities for instance, a primal active-set method goes on: to the next row in
+the way, or away from the row that pulls most. Mostly the first look ends it.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from lexstack_core.hqp.rows import FEASIBILITY, MULTIPLIER, Signs
 from lexstack_core.linear import Matrix, Vector
 
 _STEPS = 100
+_ROUNDING = 1e-13
+_TOUCH = 1e-9  # nearer than this to its bound, a row holds
 _ROW_TOLERANCE = 1e-9  # pivots among the rows, which have norms of about 1
 
 
@@ -66,15 +68,19 @@ def refine(qp: LevelQp, sides: Signs) -> Point | str:
     for _ in range(_STEPS):
         corner = _corner(qp, x, sides)
         part, row = _reach(qp, x, corner.x, sides)
-        x = x + part * (corner.x - x)
-        if row >= 0:
+        if row < 0:
+            pulled = sides * corner.pressed
+            worst = int(np.argmin(pulled)) if pulled.size else -1
+            if worst < 0 or pulled[worst] >= -MULTIPLIER:
+                return _point(qp, corner)
+            x = corner.x
+            sides[worst] = 0
+        else:
+            x = x + part * (corner.x - x)
+            # What was guessed to hold may not yet, and would contradict the row in the way.
+            value = qp.rows.dot(x)
+            sides[np.where(sides > 0, qp.upper - value, value - qp.lower) > _TOUCH] = 0
             sides[row] = 1 if qp.rows[row].dot(corner.x) > qp.upper[row] else -1
-            continue
-        pulled = sides * corner.pressed
-        worst = int(np.argmin(pulled)) if pulled.size else -1
-        if worst < 0 or pulled[worst] >= -MULTIPLIER:
-            return _point(qp, corner)
-        sides[worst] = 0
     return "no optimum near its active set"
 
 
@@ -98,14 +104,15 @@ def _reach(qp: LevelQp, x: Vector, corner: Vector, sides: Signs) -> tuple[float,
     """Return how far from x to the corner all rows hold, and the row in the way or -1."""
     value = qp.rows.dot(corner)
     excess = np.maximum(value - qp.upper, qp.lower - value)
-    excess[sides != 0] = 0.0
+    # Next to a singularity the corner is far away, and held rows hold with its rounding only.
+    excess[sides != 0] -= _ROUNDING * float(np.abs(corner).max(initial=0.0))
     if excess.max(initial=0.0) <= FEASIBILITY:
         return 1.0, -1
     outside = np.flatnonzero(excess > FEASIBILITY)
-    way = value[outside] - qp.rows[outside].dot(x)
-    part = 1.0 - excess[outside] / np.abs(way)
+    way = np.abs(value[outside] - qp.rows[outside].dot(x))
+    part = 1.0 - excess[outside] / np.maximum(way, excess[outside])
     first = int(np.argmin(part))
-    return min(max(float(part[first]), 0.0), 1.0), int(outside[first])
+    return float(part[first]), int(outside[first])
 
 
 def _point(qp: LevelQp, corner: _Corner) -> Point:

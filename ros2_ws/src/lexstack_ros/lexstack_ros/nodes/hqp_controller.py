@@ -7,29 +7,25 @@ import time
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
 from lexstack_core.build import Parts, build_controller
 from lexstack_core.errors import InputError
 from lexstack_core.state import RobotState
-from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
-from lexstack_interfaces.srv import SwitchStack
+from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.conversions import (
     WORLD,
     chi_of_command,
-    stack_request,
     to_sample,
     to_state,
     transition_status,
 )
 from lexstack_ros.diagnostics import Diagnostics, Health
 from lexstack_ros.parameters import scenario_parameter
-from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.qos import STREAM
 from lexstack_ros.readiness import Readiness
 from lexstack_ros.references import TargetTopics
+from lexstack_ros.requests import Requests
 from lexstack_ros.spin import run_node
-from lexstack_ros.tuning import TransitionParameters
 
 _LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
 
@@ -47,7 +43,6 @@ class HqpControllerNode(Node):
         self._state: RobotState | None = None  # the one that still waits for its command
         self._served = -1
         self._deadline = 0.0
-        self._stamp = 0.0
         self._refused = self._fallbacks = 0
         self._solve_time = 0.0
         self._chi = Chi(robots=list(self._parts.team.names))
@@ -56,15 +51,11 @@ class HqpControllerNode(Node):
         self._status.header.frame_id = WORLD
         self._chi_out = self.create_publisher(Chi, "/robot_a/chi", STREAM)
         self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
-        self._request_out = self.create_publisher(StackRequest, "/robot_a/stack_request", LATCHED)
         self._targets = TargetTopics(self, self._parts.team, self._controller.references)
         self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
         self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
-        self.create_subscription(String, "/robot_a/request_stack", self._on_request, STREAM)
-        self.create_service(SwitchStack, "/robot_a/switch_stack", self._on_switch)
-        self.create_service(Trigger, "/robot_a/cancel_transition", self._on_cancel)
+        self._requests = Requests(self, self._controller.transition, self._resolved.scenario)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
-        TransitionParameters(self, self._resolved.scenario.transition, self._set_defaults)
         self.create_timer(_LOOK, self._on_look, clock=wall)
         Diagnostics(self, self._health)
         self._readiness = Readiness(self, hears_plant=False)
@@ -111,52 +102,14 @@ class HqpControllerNode(Node):
         self._state = None
         command = self._controller.tick(state)
         # Before the command, which lets the plant go on: the source shall know at the next state.
-        self._announce()
+        self._requests.announce(state.stamp)
         self._chi_out.publish(chi_of_command(command, self._chi))
         self._status_out.publish(transition_status(command, self._status))
-        self._served, self._stamp = state.tick, state.stamp
+        self._served = state.tick
         self._solve_time = command.solve_time
         if command.fallback:
             self._fallbacks += 1
             self.get_logger().warning(command.fallback, throttle_duration_sec=1.0)
-
-    # ---- requests
-
-    def _on_switch(
-        self, request: SwitchStack.Request, response: SwitchStack.Response
-    ) -> SwitchStack.Response:
-        """Answer at once: accepted with an id, or refused with the reason."""
-        answer = self._controller.transition.ask(
-            request.stack, request.duration, request.method, request.at_tick
-        )
-        self._announce()
-        self.get_logger().info(answer.message)
-        response.accepted = answer.accepted
-        response.id = 0 if answer.request is None else answer.request.id
-        response.message = answer.message
-        return response
-
-    def _set_defaults(self, duration: float, method: str) -> None:
-        """Take changed parameters."""
-        self._controller.transition.set_defaults(duration, method)
-
-    def _on_request(self, message: String) -> None:
-        """Do as the service, with the values of the configuration."""
-        answer = self._controller.transition.request(message.data)
-        self._announce()
-        self.get_logger().info(answer.message)
-
-    def _on_cancel(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Give up the transition and go back."""
-        answer = self._controller.transition.cancel()
-        self._announce()
-        response.success, response.message = answer.accepted, answer.message
-        return response
-
-    def _announce(self) -> None:
-        """Tell the source what it shall solve."""
-        for announcement in self._controller.transition.take_announcements():
-            self._request_out.publish(stack_request(announcement, self._stamp))
 
     # ---- the rest
 
@@ -165,6 +118,7 @@ class HqpControllerNode(Node):
         self.get_logger().info("the plant was reset: starting anew")
         self._controller = build_controller(self._resolved, self._parts)
         self._targets.schedule = self._controller.references
+        self._requests.transition = self._controller.transition
         self._served = -1
 
     def _refuse(self, error: InputError) -> None:

@@ -17,7 +17,7 @@ from lexstack_bag.writer import BagWriter
 from lexstack_core.errors import ConfigurationError
 from lexstack_ros.diagnostics import Diagnostics, Health
 from lexstack_ros.parameters import scenario_parameter, text_parameter
-from lexstack_ros.readiness import READY
+from lexstack_ros.readiness import Readiness
 from lexstack_ros.recording import (
     Tap,
     contract_topics,
@@ -55,7 +55,7 @@ class Recorder(Node):
         self.create_timer(_FLUSH_PERIOD, self._writer.flush, clock=wall)
         self._discover()
         self.get_logger().info(f"records {len(self._taps)} topics to {output}")
-        print(READY, flush=True)
+        self._readiness = Readiness(self, hears_plant=True)
 
     def close(self) -> None:
         """Take what still waits in the middleware, complete the bag, and say what it holds."""

@@ -1,0 +1,71 @@
+"""How a user asks robot A to switch its stack: services, a topic, parameters."""
+
+from __future__ import annotations
+
+from rclpy.node import Node
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from lexstack_core.config.scenario import ScenarioConfig
+from lexstack_core.transition.machine import Transition
+from lexstack_interfaces.msg import StackRequest
+from lexstack_interfaces.srv import SwitchStack
+from lexstack_ros.conversions import stack_request
+from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.tuning import TransitionParameters
+
+
+class Requests:
+    """Hands requests to a transition, and what follows from them to the source.
+
+    Attributes:
+        transition: whom to ask; replaced when the controller starts anew.
+    """
+
+    def __init__(self, node: Node, transition: Transition, scenario: ScenarioConfig) -> None:
+        """Serve requests from now on."""
+        self.transition = transition
+        self._node = node
+        self._stamp = 0.0
+        self._out = node.create_publisher(StackRequest, "/robot_a/stack_request", LATCHED)
+        node.create_service(SwitchStack, "/robot_a/switch_stack", self._on_switch)
+        node.create_service(Trigger, "/robot_a/cancel_transition", self._on_cancel)
+        node.create_subscription(String, "/robot_a/request_stack", self._on_request, STREAM)
+        TransitionParameters(node, scenario.transition, self._on_parameters)
+
+    def announce(self, stamp: float | None = None) -> None:
+        """Tell the source what it shall solve; ``stamp`` is the present time [s]."""
+        self._stamp = self._stamp if stamp is None else stamp
+        for announcement in self.transition.take_announcements():
+            self._out.publish(stack_request(announcement, self._stamp))
+
+    def _on_switch(
+        self, request: SwitchStack.Request, response: SwitchStack.Response
+    ) -> SwitchStack.Response:
+        """Answer at once: accepted with an id, or refused with the reason."""
+        answer = self.transition.ask(
+            request.stack, request.duration, request.method, request.at_tick
+        )
+        self.announce()
+        self._node.get_logger().info(answer.message)
+        response.accepted = answer.accepted
+        response.id = 0 if answer.request is None else answer.request.id
+        response.message = answer.message
+        return response
+
+    def _on_request(self, message: String) -> None:
+        """Do as the service, with the values of the configuration."""
+        answer = self.transition.request(message.data)
+        self.announce()
+        self._node.get_logger().info(answer.message)
+
+    def _on_cancel(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Give up the transition and go back."""
+        answer = self.transition.cancel()
+        self.announce()
+        response.success, response.message = answer.accepted, answer.message
+        return response
+
+    def _on_parameters(self, duration: float, method: str) -> None:
+        """Take changed parameters."""
+        self.transition.set_defaults(duration, method)
