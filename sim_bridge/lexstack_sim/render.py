@@ -58,7 +58,7 @@ def snapshots(
     """
     team = Team.from_scenario(resolved)
     with Renderer(team, size) as renderer:
-        renderer.frame(qs)
+        renderer.frame(qs, [pose for poses in targets or () for pose in poses.values()])
         return [
             renderer.picture(q, {} if targets is None else targets[i]) for i, q in enumerate(qs)
         ]
@@ -98,15 +98,23 @@ class Renderer:
         self._gl.free()
         self._context.free()
 
-    def frame(self, qs: Sequence[Vector], azimuth: float = 108.0, elevation: float = -18.0) -> None:
-        """Place the camera so that the robots are in the picture at all of these configurations.
+    def frame(
+        self,
+        qs: Sequence[Vector],
+        targets: Sequence[Pose] = (),
+        azimuth: float = 108.0,
+        elevation: float = -18.0,
+    ) -> None:
+        """Place the camera so that robots and targets are in the picture at all configurations.
 
         Args:
             qs: configurations, shape (n,) each.
+            targets: poses that are drawn as frames.
             azimuth: direction of the view about the vertical [deg].
             elevation: of the view above the horizon, negative looks down [deg].
         """
-        points = np.concatenate([self._corners(q) for q in qs])
+        tips = [pose.position + _AXIS * axis for pose in targets for axis in pose.rotation.T]
+        points = np.concatenate([self._corners(q) for q in qs] + ([np.array(tips)] if tips else []))
         turn, tilt = np.deg2rad([azimuth, elevation])
         ahead = np.array([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)])
         right = np.array([np.sin(turn), -np.cos(turn), 0.0])
