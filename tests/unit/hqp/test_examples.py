@@ -94,6 +94,15 @@ CASES = {
         [0.0, 0.4, 0.8],
         [0, 0],
     ),
+    "a bound that is missed by little counts as one that is missed by much": (
+        HqpProblem(
+            ((to(0.0, 1, 1),), (to(1.00001, 1, 0),)),
+            Bounds(np.full(2, -9.0), np.array([1.0, 9.0])),
+        ),
+        [1.0, -1.0],
+        [0.0, 1e-5],
+        [1, 0],
+    ),
     "no level at all": (HqpProblem((), Bounds(np.array([0.2]), np.array([1.0]))), [0.2], [], [-1]),
     "a level without tasks": (problem((to(0.5, 1, 0),), ()), [0.5, 0.0], [0.0, 0.0], [0, 0]),
     "bounds without end": (

@@ -1,8 +1,11 @@
 """The same input gives the same bits, and nothing of an earlier solve is left behind."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from lexstack_core.bounds import Bounds
 from lexstack_core.hqp import SOLVERS, make_solver
 from support.problems import problem
 
@@ -55,3 +58,16 @@ def test_frozen_input_is_taken(name):
             for array in (task.matrix, task.lower, task.upper):
                 array.setflags(write=False)
     assert make_solver(name).solve(given).solved
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_a_warm_start_from_bounds_that_are_gone(name):
+    given = problem("infeasible", 1, 12, 3)
+    warm = make_solver(name).solve(given)
+    assert warm.active.any()
+    wide = Bounds(np.full(12, -np.inf), np.full(12, np.inf))
+    free = replace(given, bounds=wide)
+    solution = make_solver(name).solve(free, warm)
+    np.testing.assert_allclose(solution.chi, make_solver(name).solve(free).chi, atol=1e-9)
+    other = make_solver(name).solve(problem("tight", 1, 20, 3), warm)
+    assert other.solved

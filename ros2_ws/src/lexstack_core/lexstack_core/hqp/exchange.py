@@ -80,10 +80,9 @@ def solve_by_exchange(
     fixed = upper - lower <= FEASIBILITY
     guess.joints = np.where(fixed, np.int8(1), guess.joints)
     for left in range(rounds - 1, -1, -1):
+        chi = _on_bounds(guess.joints, lower, upper)
         free = np.flatnonzero(guess.joints == 0) if guess.joints.any() else None
-        chi, steps = _chain(levels, lower, upper, guess, free)
-        if not math.isfinite(chi.dot(chi)):
-            return None
+        steps = _chain(levels, guess, free, chi)
         outside = _hold(levels, chi, lower, upper, guess)
         if outside and left == 0:
             return None
@@ -92,13 +91,17 @@ def solve_by_exchange(
     return None
 
 
-def _chain(
-    levels: list[LevelRows], lower: Vector, upper: Vector, guess: Guess, free: Indices | None
-) -> tuple[Vector, list[_Step]]:
-    """Return the lexicographic least-squares point of a guess and the steps to it."""
-    chi = np.zeros(lower.size)
-    if free is not None:
-        chi = np.where(guess.joints > 0, upper, np.where(guess.joints < 0, lower, chi))
+def _on_bounds(joints: Signs, lower: Vector, upper: Vector) -> Vector:
+    """Return chi with the held joints at their bounds and zeros; frees what has no such bound."""
+    chi = np.where(joints > 0, upper, np.where(joints < 0, lower, 0.0))
+    if not math.isfinite(chi.dot(chi)):
+        joints[~np.isfinite(chi)] = 0
+        chi[joints == 0] = 0.0
+    return chi
+
+
+def _chain(levels: list[LevelRows], guess: Guess, free: Indices | None, chi: Vector) -> list[_Step]:
+    """Move chi to the lexicographic least-squares point of a guess; return the steps to it."""
     basis: Matrix | None = None
     steps: list[_Step] = []
     for level, sides in zip(levels, guess.rows, strict=True):
@@ -116,7 +119,7 @@ def _chain(
             else:
                 chi[free] += move
             basis = factor.null if basis is None else basis.dot(factor.null)
-    return chi, steps
+    return steps
 
 
 def _hold(levels: list[LevelRows], chi: Vector, lower: Vector, upper: Vector, guess: Guess) -> bool:

@@ -81,7 +81,7 @@ class _Zero:
         self._columns = columns
         self.null: Matrix = np.eye(columns)
 
-    def solve(self, target: Vector) -> Vector:  # noqa: ARG002
+    def solve(self, target: Vector) -> Vector:
         return np.zeros(self._columns)
 
     def solve_transposed(self, gradients: Matrix) -> Matrix:

@@ -24,7 +24,7 @@ class ProxqpBackend:
 
     name = "proxqp"
 
-    def solve(self, qp: LevelQp, guess: Signs) -> Signs | str:  # noqa: ARG002
+    def solve(self, qp: LevelQp, guess: Signs) -> Signs | str:
         """Solve with ProxQP; it starts cold, because a working set is of no use to it."""
         hessian, gradient = qp.quadratic()
         lower, upper = qp.limits()
@@ -47,10 +47,10 @@ class ProxqpBackend:
 
     def foresee(
         self,
-        hierarchy: Hierarchy,  # noqa: ARG002
-        lower: Vector,  # noqa: ARG002
-        upper: Vector,  # noqa: ARG002
-        guess: Signs,  # noqa: ARG002
+        hierarchy: Hierarchy,
+        lower: Vector,
+        upper: Vector,
+        guess: Signs,
     ) -> Signs | None:
         """Foresee nothing: it does not solve programs whose weights span twelve decades."""
         return None

@@ -13,9 +13,9 @@ from lexstack_core.model import Kinematics
 from lexstack_core.references import References
 from lexstack_core.stack import Stack
 from lexstack_core.transition.bridge import Bridge, bridged, latch, same_level
-from lexstack_core.transition.local import LocalSource
 from lexstack_core.transition.profile import alpha
 from lexstack_core.transition.request import Answer, RequestBook, SwitchRequest
+from lexstack_core.transition.sources import LocalSource, Moment, Sources
 from lexstack_core.transition.status import (
     Announcement,
     Phase,
@@ -64,19 +64,14 @@ class Transition:
             scenario: rate, mode, transition and timeouts.
         """
         self._stacks = stacks
-        self._local = local
-        self._dt = 1.0 / scenario.rate
-        self._config = scenario.transition
-        timeouts = scenario.timeouts
-        self._lockstep = scenario.mode == "lockstep"
-        # In lockstep the wait has happened, on the wall's clock, before a tick is served.
-        self._stale = 0 if self._lockstep else round(timeouts.source_stale * scenario.rate)
-        self._patience = 0 if self._lockstep else round(timeouts.source_patience * scenario.rate)
+        self._sources = Sources(local, scenario)
         self._book = RequestBook(stacks, scenario.transition)
+        self._config = scenario.transition
+        self._lockstep = scenario.mode == "lockstep"
+        self._dt = 1.0 / scenario.rate
         self._stack = stacks[scenario.initial_stack]
         self._follow: _Follow | None = None
         self._pending: SwitchRequest | None = None
-        self._heard: SourceSample | None = None
         self._used: References | None = None
         self._tick = 0
         self._id = 0
@@ -126,7 +121,7 @@ class Transition:
 
     def hear(self, sample: SourceSample) -> None:
         """Take the source's newest chi."""
-        self._heard = sample
+        self._sources.hear(sample)
 
     def awaits(self, tick: int) -> bool:
         """Return whether this tick needs a chi of the source that is not there yet (lockstep)."""
@@ -134,11 +129,14 @@ class Transition:
             return False
         due = self._book.peek(tick) or self._pending
         if due is not None:
-            return self._fresh(due.id, tick) is None
+            return self._sources.fresh(due.id, tick) is None
         follow = self._follow
-        if follow is None or self._fresh(follow.request.id, tick) is not None:
+        if follow is None or self._sources.fresh(follow.request.id, tick) is not None:
             return False
-        return follow.source is Source.ROBOT_B or self._is_back(follow)
+        # Once lost, B is waited for again only after it has been heard again.
+        return follow.source is Source.ROBOT_B or self._sources.answered_since(
+            follow.request.id, follow.start
+        )
 
     def take_announcements(self) -> list[Announcement]:
         """Return what the source must be told, once."""
@@ -154,23 +152,18 @@ class Transition:
         with the references of before: they change together with the stack.
         """
         self._tick = kinematics.state.tick
-        due = self._book.due(self._tick)
-        if due is not None:
-            self._pending = due
-        if self._used is None:
-            self._used = references
+        before = self._used or references
+        self._pending = self._book.due(self._tick) or self._pending
         if self._pending is not None:
-            source = self._first_source(self._pending)
-            if source is None:
-                references = self._used
+            first = self._sources.first(self._pending.id, self._pending.at_tick, self._tick)
+            if first is None:
+                references = before
             else:
-                self._begin(self._pending, source, kinematics, references)
-        if self._follow is None:
-            plan = Plan(self._stack.linearise(kinematics, references), None, 1.0)
-        else:
-            plan = self._blend(self._follow, kinematics, references)
+                self._begin(self._pending, *first, Moment(kinematics, references, before))
         self._used = references
-        return plan
+        if self._follow is None:
+            return Plan(self._stack.linearise(kinematics, references), None, 1.0)
+        return self._blend(self._follow, Moment(kinematics, references, before))
 
     def finish(self, plan: Plan, chi: Vector) -> TransitionState:
         """Return what to tell of this tick, after ``chi`` (n,) was solved; adopt at the end."""
@@ -192,127 +185,56 @@ class Transition:
     def _announce(self, request: SwitchRequest, *, active: bool) -> None:
         self._outbox.append(Announcement(request.id, request.stack, request.at_tick, active))
 
-    def _fresh(self, id_: int, tick: int) -> Vector | None:
-        """Return the source's chi for a transition if it is new enough, else None."""
-        heard = self._heard
-        if heard is None or heard.transition_id != id_ or not heard.solved:
-            return None
-        return heard.chi if 0 <= tick - heard.tick <= self._stale else None
-
-    def _is_back(self, follow: _Follow) -> bool:
-        """Return whether the source, once lost, has been heard again."""
-        heard = self._heard
-        return (
-            heard is not None
-            and heard.transition_id == follow.request.id
-            and heard.solved
-            and heard.tick > follow.start
-        )
-
-    def _first_source(self, request: SwitchRequest) -> Source | None:
-        """Return whom to follow into a new stack, or None while the wait goes on."""
-        if self._fresh(request.id, self._tick) is not None:
-            return Source.ROBOT_B
-        if self._tick - request.at_tick >= self._patience:
-            return Source(self._config.on_loss)
-        return None
-
-    def _begin(
-        self,
-        request: SwitchRequest,
-        source: Source,
-        kinematics: Kinematics,
-        references: References,
-    ) -> None:
+    def _begin(self, request: SwitchRequest, source: Source, why: str, moment: Moment) -> None:
         """Start to follow: the pending request becomes the blend under way."""
-        self._reason = request.reason
-        if self._follow is not None and not request.reason:
-            self._reason = f"pre-empted transition {self._follow.request.id}"
-        if source is not Source.ROBOT_B:
-            self._reason = _join(
-                self._reason, f"robot B sent no chi by tick {self._tick}: {_instead(source)}"
-            )
-        self._id, self._from, self._pending = request.id, self._stack.name, None
-        self._relatch(request, source, kinematics, references)
-
-    def _relatch(
-        self,
-        request: SwitchRequest,
-        source: Source,
-        kinematics: Kinematics,
-        references: References,
-    ) -> None:
-        """Latch delta and epsilon anew at this tick; alpha starts again from 0."""
-        new = self._stacks[request.stack]
-        level = new.levels[0].linearise(kinematics, references)
-        assert self._used is not None  # set by step before the first latch
-        before = self.target.levels[0].linearise(kinematics, self._used)
-        steady = self._follow is None or self._follow.bridge.epsilon is None
-        chi = self._source_chi(request, source, kinematics, references)
-        bridge = latch(kinematics.state.command, chi, level, steady and same_level(level, before))
-        self._follow = _Follow(request, source, self._tick, bridge)
-
-    def _source_chi(
-        self,
-        request: SwitchRequest,
-        source: Source,
-        kinematics: Kinematics,
-        references: References,
-    ) -> Vector:
-        """Return the chi to go to at this tick, shape (n,)."""
-        if source is Source.ROBOT_B:
-            fresh = self._fresh(request.id, self._tick)
-            assert fresh is not None  # the callers have looked
-            return fresh
-        if source is Source.LOCAL:
-            return self._local.chi(request.stack, kinematics, references)
-        return np.zeros_like(kinematics.state.command)
-
-    def _blend(self, follow: _Follow, kinematics: Kinematics, references: References) -> Plan:
-        """Return the two levels of the bridge; re-latch where the source or level 1 changed."""
-        source = self._present_source(follow)
-        moved = references is not self._used and follow.start != self._tick
-        if source is not follow.source or (
-            moved and not self._level_goes_on(follow, kinematics, references)
-        ):
-            self._relatch(follow.request, source, kinematics, references)
-            assert self._follow is not None
-            follow = self._follow
-        chi = self._source_chi(follow.request, source, kinematics, references)
-        level = self.target.levels[0].linearise(kinematics, references)
-        part = alpha(
-            self._config.profile, (self._tick - follow.start) * self._dt, follow.request.duration
+        overtaken = self._follow.request.id if self._follow is not None else None
+        reason = request.reason or (
+            "" if overtaken is None else f"pre-empted transition {overtaken}"
         )
+        self._reason = "; ".join(part for part in (reason, why) if part)
+        self._id, self._from, self._pending = request.id, self._stack.name, None
+        self._follow = self._latched(request, source, moment)
+
+    def _latched(self, request: SwitchRequest, source: Source, moment: Moment) -> _Follow:
+        """Return a blend that starts at this tick: delta and epsilon latched, alpha at 0."""
+        level = (
+            self._stacks[request.stack].levels[0].linearise(moment.kinematics, moment.references)
+        )
+        before = self.target.levels[0].linearise(moment.kinematics, moment.before)
+        steady = self._follow is None or self._follow.bridge.epsilon is None
+        chi = self._sources.chi(source, request.id, request.stack, moment)
+        command = moment.kinematics.state.command
+        bridge = latch(command, chi, level, steady and same_level(level, before))
+        return _Follow(request, source, moment.tick, bridge)
+
+    def _blend(self, follow: _Follow, moment: Moment) -> Plan:
+        """Return the two levels of the bridge; latch anew where the source or level 1 changed."""
+        request = follow.request
+        source, why = self._sources.present(follow.source, request.id, moment.tick)
+        self._reason = why or self._reason
+        if source is not follow.source or not self._level_goes_on(follow, moment):
+            follow = self._follow = self._latched(request, source, moment)
+        chi = self._sources.chi(source, request.id, request.stack, moment)
+        level = self.target.levels[0].linearise(moment.kinematics, moment.references)
+        elapsed = (moment.tick - follow.start) * self._dt
+        part = alpha(self._config.profile, elapsed, request.duration)
         return Plan(bridged(follow.bridge, level, chi, part), chi, part)
 
-    def _level_goes_on(
-        self, follow: _Follow, kinematics: Kinematics, references: References
-    ) -> bool:
-        """Return whether level 1 asks for the same under new references as under the old."""
-        assert self._used is not None
+    def _level_goes_on(self, follow: _Follow, moment: Moment) -> bool:
+        """Return whether level 1 asks for the same as at the tick before, or was latched now."""
+        if moment.references is moment.before or follow.start == moment.tick:
+            return True
         level = self._stacks[follow.request.stack].levels[0]
         return same_level(
-            level.linearise(kinematics, references), level.linearise(kinematics, self._used)
+            level.linearise(moment.kinematics, moment.references),
+            level.linearise(moment.kinematics, moment.before),
         )
-
-    def _present_source(self, follow: _Follow) -> Source:
-        """Return whom to follow at this tick: B where it is fresh, else as configured."""
-        if self._fresh(follow.request.id, self._tick) is not None:
-            if follow.source is not Source.ROBOT_B:
-                self._reason = f"robot B is back at tick {self._tick}"
-            return Source.ROBOT_B
-        if follow.source is not Source.ROBOT_B:
-            return follow.source
-        lost = Source(self._config.on_loss)
-        heard = "nothing" if self._heard is None else f"tick {self._heard.tick}"
-        self._reason = f"robot B lost at tick {self._tick}, last heard {heard}: {_instead(lost)}"
-        return lost
 
     def _adopt(self, follow: _Follow) -> None:
         """Take the new stack over; the source may rest."""
         self._stack = self._stacks[follow.request.stack]
         if follow.source is Source.MINIMUM_VELOCITY:
-            self._stack = self._local.at_rest(follow.request.stack)
+            self._stack = self._sources.at_rest(follow.request.stack)
             self._aborted = f"{self._reason}; at rest"
         self._announce(follow.request, active=False)
         self._follow = None
@@ -342,15 +264,3 @@ class Transition:
             return state
         phase = Phase.REQUESTED if pending is None else Phase.PREPARING
         return replace(state, id=coming.id, to_stack=coming.stack, phase=phase, alpha=0.0)
-
-
-def _instead(source: Source) -> str:
-    """Return what A follows in place of robot B, in words."""
-    if source is Source.LOCAL:
-        return "robot A solves the new stack itself"
-    return "robot A goes to minimum velocity"
-
-
-def _join(first: str, second: str) -> str:
-    """Return two reasons as one line."""
-    return f"{first}; {second}" if first else second

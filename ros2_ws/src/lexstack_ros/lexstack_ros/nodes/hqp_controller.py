@@ -11,18 +11,17 @@ from rclpy.node import Node
 from lexstack_core.build import Parts, build_controller
 from lexstack_core.errors import InputError
 from lexstack_core.state import RobotState
-from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
+from lexstack_interfaces.msg import Chi, TransitionStatus
 from lexstack_ros.conversions import (
     WORLD,
     chi_of_command,
     to_sample,
-    to_state,
     transition_status,
 )
 from lexstack_ros.diagnostics import Diagnostics, Health
 from lexstack_ros.parameters import scenario_parameter
+from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import STREAM
-from lexstack_ros.readiness import Readiness
 from lexstack_ros.references import TargetTopics
 from lexstack_ros.requests import Requests
 from lexstack_ros.spin import run_node
@@ -43,7 +42,7 @@ class HqpControllerNode(Node):
         self._state: RobotState | None = None  # the one that still waits for its command
         self._served = -1
         self._deadline = 0.0
-        self._refused = self._fallbacks = 0
+        self._fallbacks = 0
         self._solve_time = 0.0
         self._chi = Chi(robots=list(self._parts.team.names))
         self._chi.header.frame_id = WORLD
@@ -52,30 +51,17 @@ class HqpControllerNode(Node):
         self._chi_out = self.create_publisher(Chi, "/robot_a/chi", STREAM)
         self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
         self._targets = TargetTopics(self, self._parts.team, self._controller.references)
-        self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
         self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
         self._requests = Requests(self, self._controller.transition, self._resolved.scenario)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_LOOK, self._on_look, clock=wall)
         Diagnostics(self, self._health)
-        self._readiness = Readiness(self, hears_plant=False)
+        self._states = PlantStates(self, self._parts.team, self._on_state, self._restart)
 
     # ---- the tick
 
-    def _on_state(self, message: PlantState) -> None:
+    def _on_state(self, state: RobotState) -> None:
         """Serve a new state, or keep it until the source's chi is there."""
-        self._readiness.hears_plant = True
-        if message.status == PlantState.PAUSED:
-            return
-        try:
-            state = to_state(message, self._parts.team)
-        except InputError as error:
-            self._refuse(error)
-            return
-        if state.tick < self._served and state.tick == 0:
-            self._restart()
-        if state.tick <= self._served:
-            return
         self._state = state
         self._deadline = time.monotonic() + self._patience
         self._serve(wait=True)
@@ -85,7 +71,7 @@ class HqpControllerNode(Node):
         try:
             self._controller.transition.hear(to_sample(message, self._parts.team, "/robot_b/chi"))
         except InputError as error:
-            self._refuse(error)
+            self._states.refuse(error)
             return
         self._serve(wait=True)
 
@@ -115,20 +101,13 @@ class HqpControllerNode(Node):
 
     def _restart(self) -> None:
         """Begin anew after a reset of the plant."""
-        self.get_logger().info("the plant was reset: starting anew")
         self._controller = build_controller(self._resolved, self._parts)
         self._targets.schedule = self._controller.references
         self._requests.transition = self._controller.transition
-        self._served = -1
-
-    def _refuse(self, error: InputError) -> None:
-        """Count and tell of a message that does not fit."""
-        self._refused += 1
-        self.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
 
     def _health(self) -> Health:
         """Return how the node is."""
-        refused = self._refused + self._targets.refused
+        refused = self._states.refused + self._targets.refused
         return Health(
             f"{self._fallbacks} ticks without a solution" if self._fallbacks else "",
             {

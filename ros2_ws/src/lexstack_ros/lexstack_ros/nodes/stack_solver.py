@@ -12,12 +12,12 @@ from lexstack_core.build import Parts, build_references, build_stack_solver
 from lexstack_core.errors import InputError
 from lexstack_core.state import RobotState
 from lexstack_core.transition.status import Announcement, SourceSchedule
-from lexstack_interfaces.msg import Chi, PlantState, StackRequest
-from lexstack_ros.conversions import WORLD, to_announcement, to_array, to_state, to_time
+from lexstack_interfaces.msg import Chi, StackRequest
+from lexstack_ros.conversions import WORLD, to_announcement, to_array, to_time
 from lexstack_ros.diagnostics import Diagnostics, Health
 from lexstack_ros.parameters import scenario_parameter
+from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import LATCHED, STREAM
-from lexstack_ros.readiness import Readiness
 from lexstack_ros.references import TargetTopics
 from lexstack_ros.spin import run_node
 
@@ -34,40 +34,28 @@ class StackSolverNode(Node):
         self._schedule = SourceSchedule()
         self._state: RobotState | None = None
         self._served = (-1, 0)  # tick and transition id of the last chi
-        self._failures = self._refused = 0
+        self._failures = 0
         self._solve_time = 0.0
         self._chi = Chi(robots=list(self._parts.team.names))
         self._chi.header.frame_id = WORLD
         self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
         team = self._parts.team
         self._targets = TargetTopics(self, team, build_references(self._resolved, team))
-        self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
         self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
-        self._readiness = Readiness(self, hears_plant=False)
+        self._states = PlantStates(self, team, self._on_state, self._restart)
 
-    def _on_state(self, message: PlantState) -> None:
+    def _on_state(self, state: RobotState) -> None:
         """Solve for a new state, if a stack is asked for."""
-        self._readiness.hears_plant = True
-        if message.status == PlantState.PAUSED:
-            return
-        try:
-            state = to_state(message, self._parts.team)
-        except InputError as error:
-            self._refuse(error)
-            return
-        if self._state is not None and state.tick == 0 < self._state.tick:
-            self._restart()
-        if self._state is None or state.tick > self._state.tick:
-            self._state = state
-            self._serve()
+        self._state = state
+        self._serve()
 
     def _on_request(self, message: StackRequest) -> None:
         """Take robot A's wish, and serve it for the present state if that is due."""
         try:
             self._schedule.hear(to_announcement(message, self._parts.stacks))
         except InputError as error:
-            self._refuse(error)
+            self._states.refuse(error)
             return
         self._serve()
 
@@ -101,17 +89,11 @@ class StackSolverNode(Node):
 
     def _restart(self) -> None:
         """Begin anew after a reset of the plant."""
-        self.get_logger().info("the plant was reset: starting anew")
         self._solver = build_stack_solver(self._resolved, self._parts)
         self._targets.schedule = build_references(self._resolved, self._parts.team)
         self._schedule = SourceSchedule()
         self._state = None
         self._served = (-1, 0)
-
-    def _refuse(self, error: InputError) -> None:
-        """Count and tell of a message that does not fit."""
-        self._refused += 1
-        self.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
 
     def _health(self) -> Health:
         """Return how the node is."""
@@ -121,7 +103,7 @@ class StackSolverNode(Node):
                 "tick": str(self._served[0]),
                 "solve time [us]": f"{1e6 * self._solve_time:.0f}",
                 "failures": str(self._failures),
-                "refused messages": str(self._refused + self._targets.refused),
+                "refused messages": str(self._states.refused + self._targets.refused),
             },
         )
 

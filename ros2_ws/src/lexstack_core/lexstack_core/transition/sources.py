@@ -1,0 +1,125 @@
+"""Whose chi robot A follows: robot B's while it is fresh, else A's own stand-in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from lexstack_core.config.scenario import ScenarioConfig
+from lexstack_core.linear import Vector
+from lexstack_core.model import Kinematics
+from lexstack_core.references import References
+from lexstack_core.stack import Stack
+from lexstack_core.transition.status import Source, SourceSample
+
+
+class LocalSource(Protocol):
+    """A's own stand-in for robot B."""
+
+    def chi(self, stack: str, kinematics: Kinematics, references: References) -> Vector:
+        """Return the optimum of a stack, shape (n,), or zeros where it cannot be solved."""
+        ...
+
+    def at_rest(self, stack: str) -> Stack:
+        """Return level 1 of a stack with minimum velocity below it."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """One tick as a transition sees it.
+
+    Attributes:
+        kinematics: at the measured state.
+        references: in effect at this tick.
+        before: in effect at the tick before.
+    """
+
+    kinematics: Kinematics
+    references: References
+    before: References
+
+    @property
+    def tick(self) -> int:
+        """The tick's number."""
+        return self.kinematics.state.tick
+
+
+class Sources:
+    """Robot B as it is heard, and what stands in for it."""
+
+    def __init__(self, local: LocalSource, scenario: ScenarioConfig) -> None:
+        """Know the stand-in, and from the scenario when B counts as lost."""
+        self._local = local
+        self._lost = Source(scenario.transition.on_loss)
+        self._heard: SourceSample | None = None
+        # In lockstep the wait has happened, on the wall's clock, before a tick is served.
+        lockstep, timeouts = scenario.mode == "lockstep", scenario.timeouts
+        self._stale = 0 if lockstep else round(timeouts.source_stale * scenario.rate)
+        self._patience = 0 if lockstep else round(timeouts.source_patience * scenario.rate)
+
+    def hear(self, sample: SourceSample) -> None:
+        """Take robot B's newest chi."""
+        self._heard = sample
+
+    def fresh(self, transition_id: int, tick: int) -> Vector | None:
+        """Return B's chi (n,) for a transition if it is new enough for this tick, else None."""
+        heard = self._heard
+        if heard is None or heard.transition_id != transition_id or not heard.solved:
+            return None
+        return heard.chi if 0 <= tick - heard.tick <= self._stale else None
+
+    def answered_since(self, transition_id: int, tick: int) -> bool:
+        """Return whether B has solved for a transition at a later tick than this one."""
+        heard = self._heard
+        return (
+            heard is not None
+            and heard.transition_id == transition_id
+            and heard.solved
+            and heard.tick > tick
+        )
+
+    def first(self, transition_id: int, asked_at: int, tick: int) -> tuple[Source, str] | None:
+        """Return whom to follow into a new stack and why, or None while the wait goes on."""
+        if self.fresh(transition_id, tick) is not None:
+            return Source.ROBOT_B, ""
+        if tick - asked_at >= self._patience:
+            return self._lost, f"robot B sent no chi by tick {tick}: {_instead(self._lost)}"
+        return None
+
+    def present(self, source: Source, transition_id: int, tick: int) -> tuple[Source, str]:
+        """Return whom to follow now, and why where it is no longer ``source``, else ''."""
+        if self.fresh(transition_id, tick) is not None:
+            changed = source is not Source.ROBOT_B
+            return Source.ROBOT_B, f"robot B is back at tick {tick}" if changed else ""
+        if source is not Source.ROBOT_B:
+            return source, ""
+        heard = "nothing" if self._heard is None else f"tick {self._heard.tick}"
+        lost = f"robot B lost at tick {tick}, last heard {heard}: {_instead(self._lost)}"
+        return self._lost, lost
+
+    def chi(self, source: Source, transition_id: int, stack: str, moment: Moment) -> Vector:
+        """Return the chi of a source for this tick, shape (n,).
+
+        From robot B it must be fresh: ``first`` and ``present`` choose it only then.
+        """
+        if source is Source.ROBOT_B:
+            fresh = self.fresh(transition_id, moment.tick)
+            assert fresh is not None
+            return fresh
+        if source is Source.LOCAL:
+            return self._local.chi(stack, moment.kinematics, moment.references)
+        return np.zeros_like(moment.kinematics.state.command)
+
+    def at_rest(self, stack: str) -> Stack:
+        """Return the stack that A adopts when it has come to minimum velocity."""
+        return self._local.at_rest(stack)
+
+
+def _instead(source: Source) -> str:
+    """Return what A follows in place of robot B, in words."""
+    if source is Source.LOCAL:
+        return "robot A solves the new stack itself"
+    return "robot A goes to minimum velocity"

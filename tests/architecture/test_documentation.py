@@ -1,0 +1,311 @@
+"""What the documents say exists: commands, paths, links, names, topics; and nothing leaks."""
+
+import ast
+import os
+import re
+import subprocess
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+README = ROOT / "README.md"
+DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+SOURCES = ("ros2_ws/src/*/lexstack_*", "sim_bridge/lexstack_sim", "scripts", "tests")
+# Where a path in a document may begin, beside the root and the document's own folder.
+BASES = ("ros2_ws/src/*", "ros2_ws/src/*/lexstack_*", "sim_bridge")
+
+# What a run leaves; the documents name it, no clone has it.
+RUN_FILES = {
+    "bag/",
+    "bag_0.mcap",
+    "logs/",
+    "metadata.yaml",
+    "metrics.json",
+    "report.html",
+    "runs/",
+    "runs/transition-sequence-TIME/",
+    "scenario.yaml",
+}
+# What the set-up makes.
+MADE = {".venv/environment.sh", "ros2_ws/install/setup.bash"}
+FILE = re.compile(r"[\w.*/-]+\.(?:cff|css|js|json|lock|mcap|md|msg|py|sh|srv|toml|txt|xml|ya?ml)")
+
+# Each pattern has a class of one letter, so that this file does not hold what it looks for.
+LEAKS = {
+    "a folder of one machine": r"(?<![\w.$}])/(?:home|root|Users|work|workspaces?|mnt|media)/\w",
+    "a package registry": r"p[y]pi\.(?:org|python)|pythonh[o]sted|art[i]factory|j[f]rog|d[e]vpi\b"
+    r"|n[e]xus\.|n[p]mjs\.|an[a]conda\.|pr[o]xy\.golang",
+    "the address of a registry": r"--(?:extra-)?index[-]url[ =]\S|--find[-]links[ =]\S|/s[i]mple/",
+    "a host of one network": r"https?://(?:[\d.]+|[\w-]+|[\w.-]+\.(?:internal|local|lan|corp))[:/]",
+}
+
+
+def text_of(path):
+    """Return a document's text."""
+    return path.read_text(encoding="utf-8")
+
+
+def relative(path):
+    """Return a path as seen from the root."""
+    return path.relative_to(ROOT).as_posix()
+
+
+def without_fences(text):
+    """Return a document without its code blocks."""
+    return re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def fences(text, *languages):
+    """Return the code blocks in one of these languages."""
+    blocks = re.findall(r"^```(\w*)\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
+    return [code for language, code in blocks if language in languages]
+
+
+def commands(text):
+    """Return the scripts that a document's code blocks call."""
+    lines = "\n".join(fences(text, "sh", "bash")).splitlines()
+    return sorted({line.split()[0] for line in lines if line.startswith("./scripts/")})
+
+
+def named_paths(text):
+    """Return the paths that a document names in back quotes."""
+    words = re.findall(r"`([^`\s]+)`", without_fences(text))
+    top = "|".join(re.escape(path.name) for path in ROOT.iterdir() if path.is_dir())
+    inside = re.compile(rf"(?:\./)?(?:{top}|lexstack_\w+)/[\w.*/-]*|[\w./-]+/")
+    types = re.compile(r"lexstack_interfaces/(?:(?:msg|srv|action)/)?[A-Z]\w+")
+    return sorted(
+        {w for w in words if (FILE.fullmatch(w) or inside.fullmatch(w)) and not types.fullmatch(w)}
+    )
+
+
+def exists(path, document):
+    """Return whether a named path is there; NAME and FILE stand for any name."""
+    if path in RUN_FILES or path in MADE:
+        return True
+    pattern = re.sub(r"\b[A-Z]{4,}\b(?!\.md)", "*", path).removeprefix("./").rstrip("/")
+    bases = [ROOT, document.parent]
+    bases += [folder for base in BASES for folder in ROOT.glob(base) if folder.is_dir()]
+    if pattern.count("/") == 0 and pattern.endswith(".py"):
+        # A module by its name alone, where the text has said where it lies.
+        bases += [folder for source in source_folders() for folder in source.rglob("*/")]
+    return any(next(base.glob(pattern), None) is not None for base in bases)
+
+
+@cache
+def source_folders():
+    """Return the folders with code."""
+    return [folder for pattern in SOURCES for folder in ROOT.glob(pattern) if folder.is_dir()]
+
+
+@cache
+def packages():
+    """Return the text of all modules of the packages, without the tests."""
+    files = [file for folder in source_folders()[:-2] for file in folder.rglob("*.py")]
+    return "\n".join(map(text_of, files))
+
+
+def anchors(text):
+    """Return the anchors of a document's headings, as GitHub makes them."""
+    heads = re.findall(r"^#+ (.+)$", without_fences(text), flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
+def broken_links(document, text):
+    """Return the relative links of a document that lead nowhere."""
+    broken = []
+    for link in re.findall(r"\]\(([^)\s]+)\)", without_fences(text)):
+        if re.match(r"[a-z]+:", link):
+            continue
+        path, _, anchor = link.partition("#")
+        target = (document.parent / path).resolve() if path else document
+        if not target.exists() or (anchor and anchor not in anchors(text_of(target))):
+            broken.append(link)
+    return broken
+
+
+def leaks(text):
+    """Return what a text says of a machine, a network or a registry."""
+    found = [(what, re.search(pattern, text)) for what, pattern in LEAKS.items()]
+    return [f"{what}: {match.group()}" for what, match in found if match]
+
+
+def endpoints():
+    """Return name -> type of every topic and service in the code; {..} stands for any name."""
+    pattern = re.compile(
+        r"create_(?:publisher|subscription|service)\(\s*(\w+),\s*(?:f?\"([^\"]+)\"|(\w+))"
+    )
+    code, found = packages(), {}
+    for kind, literal, variable in pattern.findall(code):
+        values = [literal] if literal else re.findall(rf"\b{variable} = f?\"(/[^\"]+)\"", code)
+        found |= {name.replace("~", "/sim_bridge"): kind for name in values if "/" in name}
+    kinds = re.search(r"_KINDS = \{([^}]+)\}", code).group(1)
+    for name in [name for name in found if name.endswith("/{kind}")]:
+        kind = found.pop(name)
+        found |= {name.replace("{kind}", k): kind for k in re.findall(r"\"(\w+)\":", kinds)}
+    return {re.sub(r"\{\w+\}", "NAME", name): kind for name, kind in found.items()}
+
+
+def table(text):
+    """Return name -> type of README's table of topics and services."""
+    rows = re.findall(r"^\| `(/[\w/]+)` \| `(\w+/\w+)` \|", text, flags=re.MULTILINE)
+    return {name: kind.split("/")[1] for name, kind in rows}
+
+
+# ---- commands
+
+
+@pytest.mark.parametrize("command", commands(text_of(README)))
+def test_every_command_of_the_readme_answers_help(command):
+    assert os.access(ROOT / command, os.X_OK), command
+    done = subprocess.run(
+        [ROOT / command, "--help"], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    assert "usage" in done.stdout.lower()
+
+
+def test_the_readme_names_the_commands_that_a_user_needs():
+    assert {"./scripts/demo", "./scripts/test"} <= set(commands(text_of(README)))
+
+
+def test_python_in_the_readme_compiles_and_imports_what_is_there():
+    code = re.findall(r"<<'(\w+)'\n(.*?)^\1$", text_of(README), flags=re.MULTILINE | re.DOTALL)
+    assert code, "README shows how to switch from Python"
+    for _, program in code:
+        for node in ast.walk(ast.parse(program)):
+            if isinstance(node, ast.ImportFrom) and node.module.startswith("lexstack_interfaces"):
+                folder = ROOT / "ros2_ws/src" / node.module.replace(".", "/")
+                for name in node.names:
+                    assert list(folder.glob(f"{name.name}.*")), name.name
+
+
+# ---- paths, links, names
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=relative)
+def test_every_path_in_a_document_exists(document):
+    missing = [path for path in named_paths(text_of(document)) if not exists(path, document)]
+    assert not missing
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=relative)
+def test_every_relative_link_leads_somewhere(document):
+    assert not broken_links(document, text_of(document))
+
+
+def test_every_picture_is_used_and_small():
+    used = "".join(map(text_of, DOCUMENTS))
+    for picture in (ROOT / "docs/images").iterdir():
+        assert f"images/{picture.name}" in used, picture.name
+        assert picture.stat().st_size < 400_000, picture.name
+
+
+def test_every_name_in_the_notation_is_in_the_code():
+    words = re.findall(r"`([A-Za-z_][\w.]*)`", text_of(ROOT / "docs/notation.md"))
+    assert len(words) > 40
+    code = packages()
+    names = {part for word in words for part in word.split(".")} - {"pin", "np"}
+    assert not {name for name in names if not re.search(rf"\b{re.escape(name)}\b", code)}
+
+
+def test_every_decision_is_in_the_list():
+    folder = ROOT / "docs/decisions"
+    listed = re.findall(r"\]\((\d{4}-[\w-]+\.md)\)", text_of(folder / "README.md"))
+    assert listed == sorted(path.name for path in folder.glob("[0-9]*.md"))
+
+
+# ---- contracts
+
+
+def test_topics_and_services_of_the_readme_are_those_of_the_code():
+    code, documented = endpoints(), table(text_of(README))
+    assert len(documented) > 15
+    for name, kind in documented.items():
+        either = [name, re.sub(r"/robot_[ab]/", "/NAME/", name)]
+        assert kind in [code.get(n) for n in either], f"{name} ({kind}) is not in the code"
+    missing = {n for n in code if n not in documented}
+    assert not missing, "in the code, not in README"
+
+
+# ---- leaks
+
+
+@cache
+def own_files():
+    """Return the files of the repository: tracked, or new and not ignored."""
+    git = ["git", "-C", ROOT, "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    try:
+        listed = subprocess.run(git, capture_output=True, text=True, check=True).stdout.split("\0")
+        files = [ROOT / name for name in listed if name]
+    except (OSError, subprocess.CalledProcessError):  # an image has no repository
+        made = re.compile(r"/(?:\.\w+|build|install|log|runs|__pycache__|\w+\.egg-info)/")
+        files = [f for f in ROOT.rglob("*") if not made.search(f"/{relative(f)}/")]
+    return sorted({file for file in files if file.is_file()})
+
+
+def test_no_file_names_a_machine_or_a_registry():
+    assert len(own_files()) > 100
+    found = {}
+    for file in own_files():
+        text = file.read_bytes().decode("utf-8", errors="ignore")
+        if "\0" not in text and leaks(text):
+            found[relative(file)] = leaks(text)
+    assert not found
+
+
+# ---- these checks can fail
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "see /#home/someone/ws",
+        "cd /#work/main",
+        "https://py#pi.org/project/x",
+        "--index#-url https://example.org/x",
+        "--extra-index#-url=https://example.org",
+        "from http:#//10.0.0.7:8080/x",
+        "http:#//mirror:3141/root",
+        "https:#//cache.corp.internal/wheels",
+    ],
+)
+def test_a_leak_is_seen(text):
+    assert not leaks(text), "this file itself is clean"
+    assert leaks(text.replace("#", ""))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["https://doi.org/10.1109/x", "/robot_a/chi", "tests/work/x", "--no-emit-index-url -o lock"],
+)
+def test_what_is_no_leak_is_left_alone(text):
+    assert not leaks(text)
+
+
+@pytest.mark.parametrize(
+    "path", ["config/stacks/none.yaml", "lexstack_core/nothing.py", "nowhere/", "./scripts/dance"]
+)
+def test_a_wrong_path_is_seen(path):
+    assert path in named_paths(f"text `{path}` text")
+    assert not exists(path, README)
+
+
+@pytest.mark.parametrize("path", ["config/robots/NAME.yaml", "lexstack_core/hqp/", "plant.py"])
+def test_a_right_path_is_found(path):
+    assert path in named_paths(f"text `{path}` text")
+    assert exists(path, README)
+
+
+def test_a_wrong_link_is_seen():
+    text = "[a](docs/none.md) [b](docs/notation.md#no-such-head) [c](#nor-this) [d](https://x.y)"
+    assert broken_links(README, text) == [
+        "docs/none.md",
+        "docs/notation.md#no-such-head",
+        "#nor-this",
+    ]
+
+
+def test_a_script_in_a_code_block_is_seen():
+    assert commands("```sh\n./scripts/dance --now\n```\n./scripts/not-here") == ["./scripts/dance"]
