@@ -46,7 +46,7 @@ class Dice(DaqpBackend):
 @given(seed=SEEDS, n=SIZES, kind=st.sampled_from(KINDS), share=st.floats(0.0, 1.0))
 def test_a_wrong_guess_of_the_whole_is_refused_or_corrected(seed, n, kind, share):
     rng = np.random.default_rng(seed)
-    whole = problem(kind, seed, n, 3, inequalities=bool(seed % 2))
+    whole = problem(kind, seed, n, 1 + seed % 3, inequalities=bool(seed % 2))
     optimum = CASCADE.solve(whole)
     hierarchy = Hierarchy(whole.levels, n)
     lower, upper = whole.bounds.lower, whole.bounds.upper

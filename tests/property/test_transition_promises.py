@@ -137,7 +137,7 @@ def test_the_tests_above_can_fail(fault, monkeypatch):
         test = test_feasible_and_within_acceleration_limits_at_every_tick
     else:
         monkeypatch.setattr(
-            "lexstack_core.controller.HqpProblem",
+            "lexstack_core.transition.methods.bridging.HqpProblem",
             lambda levels, bounds: HqpProblem(levels[::-1], bounds),
         )
         test = test_level_1_is_as_good_as_the_oracle_makes_it

@@ -75,7 +75,7 @@ def test_same_level_sees_every_difference():
 
 
 def book():
-    return RequestBook(("track", "posture"), resolved().scenario.transition)
+    return RequestBook(("track", "posture"), ("bridge",), resolved().scenario.transition)
 
 
 def test_a_request_takes_the_configured_values():

@@ -7,13 +7,14 @@ from time import perf_counter
 
 import numpy as np
 
-from lexstack_core.bounds import Bounds, viable_bounds
-from lexstack_core.hqp import HqpProblem, HqpSolver, Solution
+from lexstack_core.bounds import Bounds, target_bounds, viable_bounds
+from lexstack_core.hqp import HqpSolver, Solution
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
 from lexstack_core.references import ReferenceSchedule
 from lexstack_core.state import RobotState
 from lexstack_core.transition.machine import Transition
+from lexstack_core.transition.plan import Means
 from lexstack_core.transition.status import TransitionState
 
 _ROUNDING = 1e-7  # how far a solver may leave the box, in the unit of chi, before it is clipped
@@ -64,6 +65,7 @@ class Controller:
         self._solver = solver
         self._dt = dt
         self._sent: Vector | None = None
+        self._bounds: Bounds | None = None
         self._warm: Solution | None = None
 
     def tick(self, state: RobotState) -> Command:
@@ -73,11 +75,18 @@ class Controller:
         """
         begun = perf_counter()
         kinematics = self._team.kinematics(state)
-        plan = self.transition.step(kinematics, self.references.at(state.stamp))
         bounds = viable_bounds(
             state.q_star, self._team.limits, self._dt, state.command, sent=self._sent
         )
-        solution = self._solver.solve(HqpProblem(plan.levels, bounds), self._warm)
+        means = Means(
+            bounds,
+            self._bounds or bounds,
+            free=lambda: target_bounds(state.q_star, self._team.limits, self._dt),
+            solve=lambda problem: self._solver.solve(problem).chi,
+        )
+        plan = self.transition.step(kinematics, self.references.at(state.stamp), means)
+        bounds = self._bounds = plan.problem.bounds
+        solution = self._solver.solve(plan.problem, self._warm)
         chi, fallback = checked(solution, bounds)
         self._warm = None if fallback else solution
         self._sent = chi

@@ -9,7 +9,8 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.transition.request import MAX_DURATION, METHODS
+from lexstack_core.transition.methods import METHODS
+from lexstack_core.transition.request import MAX_DURATION
 
 DURATION = "transition_duration"
 METHOD = "transition_method"

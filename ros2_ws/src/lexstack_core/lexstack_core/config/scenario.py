@@ -11,6 +11,16 @@ from lexstack_core.errors import ConfigurationError
 
 Quaternion = tuple[float, float, float, float]
 Mode = Literal["lockstep", "realtime"]
+MethodName = Literal[  # the keys of lexstack_core.transition.methods.METHODS
+    "bridge",
+    "t37",
+    "t34",
+    "instant",
+    "instant_limited",
+    "interpolation",
+    "activation",
+    "weights",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +50,7 @@ class TransitionConfig:
     """How robot A goes from one stack to another."""
 
     duration: float  # s, of the blend
-    method: Literal["bridge"] = "bridge"
+    method: MethodName = "bridge"
     profile: Literal["quintic", "cosine", "linear"] = "quintic"
     on_loss: Literal["local", "minimum_velocity"] = "local"  # what A follows when B is lost
     at_end: Literal["adopt", "stay"] = "adopt"  # take the stack over, or stay with B

@@ -72,17 +72,20 @@ class NullSpaceCascade:
     ) -> Vector | None:
         """Return the optimum if the last active set, or one that the backend foresees, is its."""
         levels = hierarchy.levels
-        if hierarchy.exact:
+        calm = hierarchy.exact and not held.any()
+        if calm:
             chi = solve_by_exchange(levels, lower, upper, Guess.of(levels, held), 1)
             if chi is not None:
                 return chi
         try:
             sides = self._backend.foresee(hierarchy, lower, upper, held)
         except _BACKEND_ERRORS:
-            return None
-        if sides is None:
-            return None
-        return solve_by_exchange(levels, lower, upper, Guess.split(levels, sides), _ROUNDS)
+            sides = None
+        if sides is not None:
+            return solve_by_exchange(levels, lower, upper, Guess.split(levels, sides), _ROUNDS)
+        if hierarchy.exact and not calm:
+            return solve_by_exchange(levels, lower, upper, Guess.of(levels, held), 1)
+        return None
 
     def _descend(
         self, levels: list[LevelRows], lower: Vector, upper: Vector, chi: Vector, held: Signs

@@ -62,7 +62,7 @@ def _solve(qp: LevelQp, guess: Signs, proximal: float, iterations: int) -> Signs
     _, _, flag, info = daqp.solve(
         hessian,
         gradient,
-        qp.rows,
+        qp.rows[qp.simple :],
         upper,
         lower,
         sense,

@@ -14,7 +14,7 @@ FAR = 1e30  # a bound that no solver reaches
 PROXIMAL = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class LevelQp:
     """``min ||objective x - target||^2`` within ``lower <= rows x <= upper``.
 
@@ -30,6 +30,7 @@ class LevelQp:
         upper: shape (h + s,).
         start: a point inside, with z = 0, shape (r + s,).
         slacks: s.
+        simple: how many of the first rows are those of the unit matrix.
         norm: Frobenius norm of the level's rows before they were reduced, positive.
         tolerance: pivots of the objective below this count as zero.
         proximal: what H may get on its diagonal, of a trace of about 1, to become definite.
@@ -42,6 +43,7 @@ class LevelQp:
     upper: Vector
     start: Vector
     slacks: int
+    simple: int
     norm: float
     tolerance: float
     proximal: float
@@ -73,7 +75,9 @@ def level_qp(
     ends: tuple[Vector, Vector],
     walls: tuple[Matrix, Vector, Vector],
     norm: float,
+    *,
     proximal: float = PROXIMAL,
+    simple: int = 0,
 ) -> LevelQp:
     """Return the program of a level.
 
@@ -84,12 +88,15 @@ def level_qp(
         walls: hard rows in z with lower <= 0 <= upper: shapes (h, r), (h,), (h,).
         norm: of the level's rows before they were reduced.
         proximal: what H may get on its diagonal.
+        simple: how many of the first walls are rows of the unit matrix.
     """
     rows, lower, upper = walls
     tolerance = RANK_TOLERANCE * norm
     if equal.all():
         start = np.zeros(reduced.shape[1])
-        return LevelQp(reduced, ends[0], rows, lower, upper, start, 0, norm, tolerance, proximal)
+        return LevelQp(
+            reduced, ends[0], rows, lower, upper, start, 0, simple, norm, tolerance, proximal
+        )
     exact, soft = reduced[equal], reduced[~equal]
     low, high = ends[0][~equal], ends[1][~equal]
     s, r = soft.shape
@@ -108,6 +115,7 @@ def level_qp(
         upper=np.concatenate((upper, high)),
         start=np.concatenate((np.zeros(r), -np.minimum(np.maximum(0.0, low), high) / norm)),
         slacks=s,
+        simple=simple,
         norm=norm,
         tolerance=tolerance,
         proximal=proximal,

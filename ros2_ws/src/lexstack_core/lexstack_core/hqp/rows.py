@@ -92,23 +92,22 @@ class Hierarchy:
         self.exact = bool(self.equal.all())
         self.levels: list[LevelRows] = []
         self.ends: list[int] = []
-        start = 0
-        for level in levels:
-            end = start
-            for task in level:
-                end += task.lower.size
-            self.levels.append(self._level(slice(start, end)))
-            self.ends.append(end)
-            start = end
+        with np.errstate(over="ignore"):  # the norm of a level that is too large is inf
+            for level in levels:
+                self._add(sum(task.lower.size for task in level))
 
-    def _level(self, rows: slice) -> LevelRows:
-        """Return views of one level's rows."""
+    def _add(self, count: int) -> None:
+        """Append the level of the next ``count`` rows."""
+        start = self.ends[-1] if self.ends else 0
+        rows = slice(start, start + count)
         matrix, equal = self.matrix[rows], self.equal[rows]
         flat = matrix.reshape(-1)
         exact = self.exact or bool(equal.all())
-        with np.errstate(over="ignore"):
-            norm = math.sqrt(flat.dot(flat)) or 1.0
-        return LevelRows(matrix, self.lower[rows], self.upper[rows], equal, exact, norm)
+        norm = math.sqrt(flat.dot(flat)) or 1.0
+        self.levels.append(
+            LevelRows(matrix, self.lower[rows], self.upper[rows], equal, exact, norm)
+        )
+        self.ends.append(start + count)
 
     def slacks(self, chi: Vector) -> list[float]:
         """Return the norm of each level's residual: NaN or inf where the level is not finite."""

@@ -33,4 +33,5 @@ def weighted_qp(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> LevelQp:
         (np.eye(n), lower, upper),
         norm=1.0,
         proximal=_RANGE,
+        simple=n,
     )

@@ -62,8 +62,12 @@ def bridged(
             LinearTask(task.name, task.matrix, task.lower + rest * gap, task.upper + rest * gap)
             for task, gap in zip(level, bridge.epsilon, strict=True)
         )
-    follow = LinearTask.equality("follow_chi", np.eye(source.size), source + rest * bridge.delta)
-    return (first, (follow,))
+    return (first, (follow_chi(source + rest * bridge.delta),))
+
+
+def follow_chi(target: Vector) -> LinearTask:
+    """Return the task chi -> target, shape (n,), T(33)."""
+    return LinearTask.equality("follow_chi", np.eye(target.size), target)
 
 
 def same_level(one: tuple[LinearTask, ...], other: tuple[LinearTask, ...]) -> bool:

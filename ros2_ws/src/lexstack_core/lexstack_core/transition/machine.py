@@ -8,11 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lexstack_core.config.scenario import ScenarioConfig
-from lexstack_core.linear import LinearTask, Vector
+from lexstack_core.hqp import HqpProblem
+from lexstack_core.linear import Vector
 from lexstack_core.model import Kinematics
 from lexstack_core.references import References
 from lexstack_core.stack import Stack
-from lexstack_core.transition.bridge import Bridge, bridged, latch, same_level
+from lexstack_core.transition.bridge import Bridge, latch, same_level
+from lexstack_core.transition.methods import METHODS, View
+from lexstack_core.transition.plan import Means, Plan
 from lexstack_core.transition.profile import alpha
 from lexstack_core.transition.request import Answer, RequestBook, SwitchRequest
 from lexstack_core.transition.sources import LocalSource, Moment, Sources
@@ -26,21 +29,6 @@ from lexstack_core.transition.status import (
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
-    """What A solves at one tick.
-
-    Attributes:
-        levels: highest first.
-        source: the chi that A goes to, shape (n,), or None when it serves its own stack.
-        alpha: of the blend, 1 when there is none.
-    """
-
-    levels: tuple[tuple[LinearTask, ...], ...]
-    source: Vector | None
-    alpha: float
-
-
-@dataclass(frozen=True, slots=True)
 class _Follow:
     """A blend under way."""
 
@@ -48,6 +36,7 @@ class _Follow:
     source: Source
     start: int  # the tick at which alpha is 0
     bridge: Bridge
+    origin: Stack  # the stack that A comes from
 
 
 class Transition:
@@ -65,7 +54,7 @@ class Transition:
         """
         self._stacks = stacks
         self._sources = Sources(local, scenario)
-        self._book = RequestBook(stacks, scenario.transition)
+        self._book = RequestBook(stacks, METHODS, scenario.transition)
         self._config = scenario.transition
         self._lockstep = scenario.mode == "lockstep"
         self._dt = 1.0 / scenario.rate
@@ -145,8 +134,8 @@ class Transition:
 
     # ---- the tick
 
-    def step(self, kinematics: Kinematics, references: References) -> Plan:
-        """Return what A solves at this tick.
+    def step(self, kinematics: Kinematics, references: References, means: Means) -> Plan:
+        """Return what A solves at this tick, with what the controller lends.
 
         While the source's first solution for a new stack is awaited, A goes on with what it did,
         with the references of before: they change together with the stack.
@@ -162,8 +151,9 @@ class Transition:
                 self._begin(self._pending, *first, Moment(kinematics, references, before))
         self._used = references
         if self._follow is None:
-            return Plan(self._stack.linearise(kinematics, references), None, 1.0)
-        return self._blend(self._follow, Moment(kinematics, references, before))
+            levels = self._stack.linearise(kinematics, references)
+            return Plan(HqpProblem(levels, means.bounds), None, 1.0)
+        return self._blend(self._follow, Moment(kinematics, references, before), means)
 
     def finish(self, plan: Plan, chi: Vector) -> TransitionState:
         """Return what to tell of this tick, after ``chi`` (n,) was solved; adopt at the end."""
@@ -193,9 +183,11 @@ class Transition:
         )
         self._reason = "; ".join(part for part in (reason, why) if part)
         self._id, self._from, self._pending = request.id, self._stack.name, None
-        self._follow = self._latched(request, source, moment)
+        self._follow = self._latched(request, source, self.target, moment)
 
-    def _latched(self, request: SwitchRequest, source: Source, moment: Moment) -> _Follow:
+    def _latched(
+        self, request: SwitchRequest, source: Source, origin: Stack, moment: Moment
+    ) -> _Follow:
         """Return a blend that starts at this tick: delta and epsilon latched, alpha at 0."""
         level = (
             self._stacks[request.stack].levels[0].linearise(moment.kinematics, moment.references)
@@ -205,20 +197,30 @@ class Transition:
         chi = self._sources.chi(source, request.id, request.stack, moment)
         command = moment.kinematics.state.command
         bridge = latch(command, chi, level, steady and same_level(level, before))
-        return _Follow(request, source, moment.tick, bridge)
+        return _Follow(request, source, moment.tick, bridge, origin)
 
-    def _blend(self, follow: _Follow, moment: Moment) -> Plan:
-        """Return the two levels of the bridge; latch anew where the source or level 1 changed."""
+    def _blend(self, follow: _Follow, moment: Moment, means: Means) -> Plan:
+        """Return what the method asks for; latch anew where the source or level 1 changed."""
         request = follow.request
         source, why = self._sources.present(follow.source, request.id, moment.tick)
         self._reason = why or self._reason
         if source is not follow.source or not self._level_goes_on(follow, moment):
-            follow = self._follow = self._latched(request, source, moment)
+            follow = self._follow = self._latched(request, source, follow.origin, moment)
         chi = self._sources.chi(source, request.id, request.stack, moment)
-        level = self.target.levels[0].linearise(moment.kinematics, moment.references)
+        state = (moment.kinematics, moment.references)
+        view = View(
+            self.target.levels[0].linearise(*state),
+            chi,
+            means.bounds,
+            means.before,
+            new=lambda: self.target.linearise(*state),
+            old=lambda: follow.origin.linearise(*state),
+            free=means.free,
+            solve=means.solve,
+        )
         elapsed = (moment.tick - follow.start) * self._dt
         part = alpha(self._config.profile, elapsed, request.duration)
-        return Plan(bridged(follow.bridge, level, chi, part), chi, part)
+        return Plan(METHODS[request.method](view, follow.bridge, part), chi, part)
 
     def _level_goes_on(self, follow: _Follow, moment: Moment) -> bool:
         """Return whether level 1 asks for the same as at the tick before, or was latched now."""

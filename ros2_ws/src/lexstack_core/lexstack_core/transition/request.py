@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from lexstack_core.config.scenario import TransitionConfig
 
-METHODS = ("bridge",)
 MAX_DURATION = 60.0  # s
 MAX_SCHEDULED = 64
 
@@ -46,9 +45,12 @@ class Answer:
 class RequestBook:
     """Accepted requests in the order of their ticks; a later one for the same tick replaces."""
 
-    def __init__(self, stacks: Collection[str], defaults: TransitionConfig) -> None:
-        """Know the stacks that may be asked for, and what an empty field stands for."""
+    def __init__(
+        self, stacks: Collection[str], methods: Collection[str], defaults: TransitionConfig
+    ) -> None:
+        """Know what may be asked for, and what an empty field stands for."""
         self._stacks = stacks
+        self._methods = methods
         self._duration = defaults.duration
         self._method: str = defaults.method
         self._scheduled: list[SwitchRequest] = []
@@ -117,8 +119,8 @@ class RequestBook:
             return (
                 f"duration: must be in [0, {MAX_DURATION:g}] s (0: as configured), got {duration}"
             )
-        if method and method not in METHODS:
-            return f"unknown method {method!r}; known: {', '.join(METHODS)}"
+        if method and method not in self._methods:
+            return f"unknown method {method!r}; known: {', '.join(self._methods)}"
         if at_tick and at_tick <= now:
             return f"at_tick: {at_tick} is over; the present tick is {now}"
         if len(self._scheduled) >= MAX_SCHEDULED and not any(

@@ -1,0 +1,12 @@
+"""The bridge: see lexstack_core.transition.bridge for what it does and why."""
+
+from __future__ import annotations
+
+from lexstack_core.hqp import HqpProblem
+from lexstack_core.transition.bridge import Bridge, bridged
+from lexstack_core.transition.methods.view import View
+
+
+def bridge(view: View, latched: Bridge, alpha: float) -> HqpProblem:
+    """Return level 1 and the way to the source, both with their latched gap fading out."""
+    return HqpProblem(bridged(latched, view.first, view.source, alpha), view.bounds)

@@ -1,0 +1,16 @@
+"""Interpolation of two solutions, after Lee, Mansard and Park 2012."""
+
+from __future__ import annotations
+
+from lexstack_core.hqp import HqpProblem
+from lexstack_core.transition.bridge import Bridge, follow_chi
+from lexstack_core.transition.methods.view import View
+
+
+def interpolation(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
+    """Return (1 - alpha) chi_old + alpha chi_S: the old stack is solved beside the new one.
+
+    No optimum of anything in between; on pre-emption it starts from the old stack again.
+    """
+    old = view.solve(HqpProblem(view.old(), view.bounds))
+    return HqpProblem(((follow_chi((1.0 - alpha) * old + alpha * view.source),),), view.bounds)
