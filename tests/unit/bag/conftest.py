@@ -33,7 +33,7 @@ def stack(name: str, *types: str) -> StackConfig:
 def resolved() -> ResolvedScenario:
     """Two robots, two stacks, 4 s at 100 Hz."""
     scenario = ScenarioConfig(
-        name="by-hand",
+        name="transition-sequence",
         description="A run made by hand.",
         robots={
             "robot_a": PlacementConfig("panda_summit", (0.0, 0.0, 0.0)),

@@ -226,6 +226,31 @@ def test_cancel_without_a_transition_is_refused():
     assert answer.message == "there is no transition to cancel"
 
 
+def test_a_stream_of_small_steps_does_not_hold_a_transition_up():
+    run = loop(transition=TransitionConfig(duration=0.3))
+    run.controller.transition.ask("reach_base", 0.0, "", 1)
+    start = run.parts.team.tools(home())[0]
+    for k in range(1, 20):
+        moved = type(start)(start.position + np.array([0.002 * k, 0.0, 0.0]), start.rotation)
+        for schedule in (run.controller.references, run.references_b):
+            schedule.add(Target(0.05 * k, 0, ee=moved))
+    assert Phase.ADOPTING in phases(run, 40)
+    assert run.record.commands[-1].stack == "reach_base"
+
+
+def test_after_a_late_step_b_goes_on_although_it_was_told_its_end():
+    run = loop(transition=TransitionConfig(duration=0.3))
+    run.controller.transition.ask("reach_base", 0.0, "", 1)
+    goal = run.parts.team.tools(home())[0]
+    moved = type(goal)(goal.position + np.array([0.3, 0.0, 0.0]), goal.rotation)
+    for schedule in (run.controller.references, run.references_b):
+        schedule.add(Target(0.31, 0, ee=moved))  # the last tick of the blend
+    seen = phases(run, 100)
+    assert seen.count(Phase.ADOPTING) == 1
+    assert {c.transition.source for c in run.record.commands[1:60]} == {Source.ROBOT_B}
+    assert max(run.record.sources) == 61
+
+
 def test_a_request_by_topic_is_answered_in_the_state():
     run = loop()
     assert not run.controller.transition.request("dance").accepted

@@ -148,12 +148,25 @@ def test_the_source_solves_the_newest_stack_whose_tick_has_come():
     assert schedule.current(9) is None
     assert schedule.current(10) is one
     assert schedule.current(20) is two
-    schedule.hear(dataclasses.replace(two, active=False))
+    schedule.hear(dataclasses.replace(two, active=False, start_tick=21))
     assert schedule.current(21) is None, "what it replaced does not come back"
 
 
 def test_an_announcement_that_is_withdrawn_is_forgotten():
     schedule = SourceSchedule()
     schedule.hear(Announcement(1, "track", 10, active=True))
-    schedule.hear(Announcement(1, "track", 10, active=False))
+    schedule.hear(Announcement(1, "track", 0, active=False))
     assert schedule.current(10) is None
+
+
+def test_an_end_may_be_told_ahead_and_taken_back():
+    schedule = SourceSchedule()
+    one = Announcement(1, "track", 10, active=True)
+    schedule.hear(one)
+    schedule.hear(Announcement(1, "track", 20, active=False))
+    assert schedule.current(19) is one
+    schedule.hear(one)
+    assert schedule.current(20) is one
+    schedule.hear(Announcement(1, "track", 21, active=False))
+    assert schedule.current(21) is None
+    assert schedule.current(22) is None

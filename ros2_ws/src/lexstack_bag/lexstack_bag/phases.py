@@ -66,7 +66,8 @@ def _switches(run: Run) -> list[tuple[float, str, float | None]]:
         arrived &= status.phase != TransitionPhase.ABORTED
         adopted = float(status.stamp[arrived][0]) if arrived.any() else None
         switches.append((float(status.stamp[trigger]), target, adopted))
-    return switches
+    # Numbers count requests; one that names a later tick may begin after its successor.
+    return sorted(switches, key=lambda switch: switch[0])
 
 
 def tasks_of(run: Run, stack: str, types: frozenset[str]) -> dict[str, TaskConfig]:

@@ -8,7 +8,8 @@ from pathlib import Path
 from lexstack_ros.readiness import READY
 from lexstack_ros.supervisor import Supervisor
 
-# In the order in which they start and end: the recorder is there first and leaves last.
+# In the order in which they start and end: the recorder leaves last. Nobody speaks before all are
+# connected, so it misses nothing.
 RECORDER = "recorder"
 NODES = {
     "sim_bridge": "lexstack_sim.node",

@@ -19,7 +19,7 @@ class Requests:
     """Hands requests to a transition, and what follows from them to the source.
 
     Attributes:
-        transition: whom to ask; replaced when the controller starts anew.
+        transition: whom to ask.
     """
 
     def __init__(self, node: Node, transition: Transition, scenario: ScenarioConfig) -> None:
@@ -31,7 +31,14 @@ class Requests:
         node.create_service(SwitchStack, "/robot_a/switch_stack", self._on_switch)
         node.create_service(Trigger, "/robot_a/cancel_transition", self._on_cancel)
         node.create_subscription(String, "/robot_a/request_stack", self._on_request, STREAM)
-        TransitionParameters(node, scenario.transition, self._on_parameters)
+        self._parameters = TransitionParameters(node, scenario.transition, self._on_parameters)
+
+    def restart(self, transition: Transition) -> None:
+        """Ask another transition from now on; the source shall forget what the old one asked."""
+        self.transition.end()
+        self.announce(0.0)
+        self.transition = transition
+        self._parameters.hand_on()
 
     def announce(self, stamp: float | None = None) -> None:
         """Tell the source what it shall solve; ``stamp`` is the present time [s]."""
@@ -63,6 +70,7 @@ class Requests:
         """Give up the transition and go back."""
         answer = self.transition.cancel()
         self.announce()
+        self._node.get_logger().info(answer.message)
         response.success, response.message = answer.accepted, answer.message
         return response
 

@@ -44,7 +44,7 @@ class TransitionParameters:
             ),
         )
         node.add_on_set_parameters_callback(self._check)
-        node.add_post_set_parameters_callback(self._changed)
+        node.add_post_set_parameters_callback(lambda _parameters: self.hand_on())
 
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
         """Refuse a method that is not known; ROS itself keeps types and ranges."""
@@ -54,7 +54,7 @@ class TransitionParameters:
                 return SetParametersResult(successful=False, reason=reason)
         return SetParametersResult(successful=True)
 
-    def _changed(self, _parameters: list[Parameter]) -> None:
-        """Hand the values on."""
+    def hand_on(self) -> None:
+        """Apply the present values."""
         duration = float(self._node.get_parameter(DURATION).value)
         self._apply(duration, str(self._node.get_parameter(METHOD).value))

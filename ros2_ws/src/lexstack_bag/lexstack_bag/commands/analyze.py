@@ -60,7 +60,7 @@ def _run_folder(file: Path) -> Path:
 
 def main() -> int:
     """Run the command; returns its exit code."""
-    parser = argparse.ArgumentParser(prog="analyze", description=__doc__)
+    parser = argparse.ArgumentParser(prog="./scripts/analyze", description=__doc__)
     parser.add_argument("bag", type=Path, help="run folder, bag folder or .mcap file")
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="where to write (default: the run folder)"

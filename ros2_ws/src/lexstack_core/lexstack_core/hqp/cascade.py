@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from lexstack_core.bounds import Bounds
 from lexstack_core.hqp.exchange import Guess, solve_by_exchange
 from lexstack_core.hqp.factor import factorise
 from lexstack_core.hqp.problem import HqpProblem, Solution, Status
@@ -46,26 +47,33 @@ class NullSpaceCascade:
             InputError: a task does not fit chi (a programming error, not a state of the robot).
         """
         start = time.perf_counter()
-        lower, upper = problem.bounds.lower, problem.bounds.upper
-        n = lower.size
-        hierarchy = Hierarchy(problem.levels, n)
-        chi, reason = _start(hierarchy, lower, upper)
-        if not reason:
-            held: Signs = np.zeros(n, dtype=np.int8)
-            if warm is not None and warm.active.size == n:
-                held = warm.active
-            guessed = self._guess(hierarchy, lower, upper, held) if self._guesses else None
-            if guessed is None:
-                chi, reason = self._descend(hierarchy.levels, lower, upper, chi, held)
-            else:
-                chi = np.minimum(np.maximum(guessed, lower), upper)
-        active = (chi >= upper).astype(np.int8)
-        active[(chi <= lower) & (active == 0)] = -1
-        slacks = np.array(hierarchy.slacks(chi))
+        # Numbers that are not finite are found and said; numpy need not warn of them as well.
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            hierarchy = Hierarchy(problem.levels, problem.bounds.lower.size)
+            chi, reason = self._chi(hierarchy, problem.bounds, warm)
+            slacks = np.array(hierarchy.slacks(chi))
+        active = _touched(chi, problem.bounds)
         for array in (chi, active, slacks):
             array.setflags(write=False)
         status = Status.FAILED if reason else Status.SOLVED
         return Solution(chi, slacks, status, reason, active, time.perf_counter() - start)
+
+    def _chi(
+        self, hierarchy: Hierarchy, bounds: Bounds, warm: Solution | None
+    ) -> tuple[Vector, str]:
+        """Return chi inside the bounds, and why it is not the optimum, if it is not."""
+        lower, upper = bounds.lower, bounds.upper
+        chi, reason = _start(hierarchy, lower, upper)
+        if reason:
+            return chi, reason
+        held: Signs = np.zeros(chi.size, dtype=np.int8)
+        if warm is not None and warm.active.size == chi.size:
+            held = warm.active
+        if self._guesses:
+            guessed = self._guess(hierarchy, lower, upper, held)
+            if guessed is not None:
+                return np.minimum(np.maximum(guessed, lower), upper), ""
+        return self._descend(hierarchy.levels, lower, upper, chi, held)
 
     def _guess(
         self, hierarchy: Hierarchy, lower: Vector, upper: Vector, held: Signs
@@ -82,7 +90,7 @@ class NullSpaceCascade:
         except _BACKEND_ERRORS:
             sides = None
         if sides is not None:
-            return solve_by_exchange(levels, lower, upper, Guess.split(levels, sides), _ROUNDS)
+            return solve_by_exchange(levels, lower, upper, Guess.split(hierarchy, sides), _ROUNDS)
         if hierarchy.exact and not calm:
             return solve_by_exchange(levels, lower, upper, Guess.of(levels, held), 1)
         return None
@@ -140,10 +148,24 @@ def _start(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> tuple[Vector, 
         joint = int(np.argmin(usable))
         reason = f"bounds: joint {joint}: [{lower[joint]}, {upper[joint]}] holds no number"
         return np.where(usable, chi, 0.0), reason
-    for k, slack in enumerate(hierarchy.slacks(chi)):
-        level = hierarchy.levels[k]
-        if not math.isfinite(slack + level.norm):
-            return chi, f"level {k}: a task holds a number that is not finite, or too large"
-        if not level.exact and not (level.lower <= level.upper).all():
-            return chi, f"level {k}: a task has a row whose lower end is above its upper end"
+    residual = hierarchy.residual(chi)
+    norms = sum(level.norm for level in hierarchy.levels)
+    if not math.isfinite(norms + residual.dot(residual)):
+        slacks = hierarchy.slacks(chi)
+        sizes = [slack + level.norm for slack, level in zip(slacks, hierarchy.levels, strict=True)]
+        k = next((k for k, size in enumerate(sizes) if not math.isfinite(size)), 0)
+        return chi, f"level {k}: a task holds a number that is not finite, or too large"
+    if not hierarchy.exact:
+        for k, level in enumerate(hierarchy.levels):
+            if not (level.lower <= level.upper).all():
+                return chi, f"level {k}: a task has a row whose lower end is above its upper end"
     return chi, ""
+
+
+def _touched(chi: Vector, bounds: Bounds) -> Signs:
+    """Return -1 where chi is at its lower bound, +1 where it is at its upper bound, or both."""
+    above = chi >= bounds.upper
+    below = chi <= bounds.lower
+    below &= ~above
+    touched: Signs = above.view(np.int8) - below.view(np.int8)
+    return touched

@@ -16,7 +16,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from lexstack_core.hqp.factor import Factor, factorise
-from lexstack_core.hqp.rows import FEASIBILITY, MULTIPLIER, Indices, LevelRows, Mask, Signs
+from lexstack_core.hqp.rows import (
+    FEASIBILITY,
+    MULTIPLIER,
+    Hierarchy,
+    Indices,
+    LevelRows,
+    Mask,
+    Signs,
+)
 from lexstack_core.linear import Matrix, Vector
 
 
@@ -33,14 +41,15 @@ class Guess:
         return cls(joints, [np.zeros(level.lower.size, dtype=np.int8) for level in levels])
 
     @classmethod
-    def split(cls, levels: list[LevelRows], sides: Signs) -> Guess:
+    def split(cls, hierarchy: Hierarchy, sides: Signs) -> Guess:
         """Return the guess of one vector: first the joints, then all inequality rows."""
-        soft = [np.flatnonzero(~level.equal) for level in levels]
-        n = sides.size - sum(rows.size for rows in soft)
-        guess = cls.of(levels, sides[:n])
-        for rows, held in zip(soft, guess.rows, strict=True):
-            held[rows] = sides[n : n + rows.size]
-            n += rows.size
+        n = hierarchy.matrix.shape[1]
+        guess = cls.of(hierarchy.levels, sides[:n])
+        if not hierarchy.exact:
+            for level, held in zip(hierarchy.levels, guess.rows, strict=True):
+                rows = np.flatnonzero(~level.equal)
+                held[rows] = sides[n : n + rows.size]
+                n += rows.size
         return guess
 
 

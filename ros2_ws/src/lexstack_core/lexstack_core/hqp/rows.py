@@ -92,9 +92,8 @@ class Hierarchy:
         self.exact = bool(self.equal.all())
         self.levels: list[LevelRows] = []
         self.ends: list[int] = []
-        with np.errstate(over="ignore"):  # the norm of a level that is too large is inf
-            for level in levels:
-                self._add(sum(task.lower.size for task in level))
+        for level in levels:
+            self._add(sum(task.lower.size for task in level))
 
     def _add(self, count: int) -> None:
         """Append the level of the next ``count`` rows."""
@@ -109,20 +108,23 @@ class Hierarchy:
         )
         self.ends.append(start + count)
 
+    def residual(self, chi: Vector) -> Vector:
+        """Return the signed distance of every row to its interval, shape (M,)."""
+        value: Vector = self.matrix.dot(chi)
+        nearest = self.lower
+        if not self.exact:
+            nearest = np.minimum(np.maximum(value, self.lower), self.upper)
+        return value - nearest
+
     def slacks(self, chi: Vector) -> list[float]:
         """Return the norm of each level's residual: NaN or inf where the level is not finite."""
+        residual = self.residual(chi)
         slacks = []
         start = 0
-        with np.errstate(invalid="ignore", over="ignore"):
-            value = self.matrix.dot(chi)
-            nearest = self.lower
-            if not self.exact:
-                nearest = np.minimum(np.maximum(value, self.lower), self.upper)
-            residual = value - nearest
-            for end in self.ends:
-                part = residual[start:end]
-                slacks.append(math.sqrt(part.dot(part)))
-                start = end
+        for end in self.ends:
+            part = residual[start:end]
+            slacks.append(math.sqrt(part.dot(part)))
+            start = end
         return slacks
 
 

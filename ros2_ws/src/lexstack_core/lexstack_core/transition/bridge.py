@@ -70,6 +70,20 @@ def follow_chi(target: Vector) -> LinearTask:
     return LinearTask.equality("follow_chi", np.eye(target.size), target)
 
 
+def follows_within(new: tuple[LinearTask, ...], old: tuple[LinearTask, ...], reach: Vector) -> bool:
+    """Return whether a step of ``reach`` (n,) in chi makes up for what a level's targets moved.
+
+    Args:
+        new: the level now.
+        old: the level as it was asked for before, at the same state: the same tasks.
+        reach: how far each joint's velocity may change, m/s and rad/s.
+    """
+    matrix = np.vstack([task.matrix for task in new])
+    moved = np.concatenate([a.lower - b.lower for a, b in zip(new, old, strict=True)])
+    step = np.linalg.lstsq(matrix, np.nan_to_num(moved), rcond=None)[0]
+    return bool((np.abs(step) <= reach).all())
+
+
 def same_level(one: tuple[LinearTask, ...], other: tuple[LinearTask, ...]) -> bool:
     """Return whether two levels, made linear at the same state, ask for the same."""
     return len(one) == len(other) and all(

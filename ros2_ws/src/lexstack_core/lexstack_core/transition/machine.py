@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lexstack_core.bounds import Bounds
 from lexstack_core.config.scenario import ScenarioConfig
 from lexstack_core.hqp import HqpProblem
 from lexstack_core.linear import Vector
 from lexstack_core.model import Kinematics
 from lexstack_core.references import References
 from lexstack_core.stack import Stack
-from lexstack_core.transition.bridge import Bridge, latch, same_level
+from lexstack_core.transition.bridge import Bridge, follows_within, latch, same_level
 from lexstack_core.transition.methods import METHODS, View
 from lexstack_core.transition.plan import Means, Plan
 from lexstack_core.transition.profile import alpha
@@ -93,20 +94,21 @@ class Transition:
 
     def cancel(self) -> Answer:
         """Give up the transition under way and those scheduled, and go back smoothly."""
-        dropped = [*self._book.scheduled, *([self._pending] if self._pending else [])]
-        follow = self._follow
+        follow, dropped = self._follow, self._drop_coming()
         if not dropped and follow is None:
             return Answer(False, "there is no transition to cancel")
-        self._book.clear()
-        self._pending = None
-        for request in dropped:
-            self._announce(request, active=False)
         gone = follow.request.id if follow is not None else dropped[-1].id
         self._aborted = f"transition {gone} was cancelled"
         if follow is None:
             return Answer(True, f"transition {gone} is cancelled before it began")
         answer = self._ask(self._stack.name, 0.0, "", 0, f"{self._aborted}; going back")
         return replace(answer, message=f"transition {gone} is cancelled; {answer.message}")
+
+    def end(self) -> None:
+        """Let the source forget all that was asked of it: this transition is not used further."""
+        self._drop_coming()
+        if self._follow is not None:
+            self._withdraw(self._follow.request)
 
     def hear(self, sample: SourceSample) -> None:
         """Take the source's newest chi."""
@@ -169,18 +171,33 @@ class Transition:
     def _ask(self, stack: str, duration: float, method: str, at_tick: int, reason: str) -> Answer:
         answer = self._book.ask(stack, duration, method, at_tick, self._tick, reason)
         if answer.request is not None:
-            self._announce(answer.request, active=True)
+            self._announce(answer.request)
         return answer
 
-    def _announce(self, request: SwitchRequest, *, active: bool) -> None:
-        self._outbox.append(Announcement(request.id, request.stack, request.at_tick, active))
+    def _announce(self, request: SwitchRequest) -> None:
+        """Let the source solve a request's stack from its tick on."""
+        announcement = Announcement(request.id, request.stack, request.at_tick, active=True)
+        self._outbox.append(announcement)
+
+    def _withdraw(self, request: SwitchRequest, from_tick: int = 0) -> None:
+        """Let the source forget a request, at once or from a tick on."""
+        self._outbox.append(Announcement(request.id, request.stack, from_tick, active=False))
+
+    def _drop_coming(self) -> list[SwitchRequest]:
+        """Forget the requests that have not begun, and return them."""
+        dropped = [*self._book.scheduled, *([self._pending] if self._pending else [])]
+        self._book.clear()
+        self._pending = None
+        for request in dropped:
+            self._withdraw(request)
+        return dropped
 
     def _begin(self, request: SwitchRequest, source: Source, why: str, moment: Moment) -> None:
         """Start to follow: the pending request becomes the blend under way."""
-        overtaken = self._follow.request.id if self._follow is not None else None
-        reason = request.reason or (
-            "" if overtaken is None else f"pre-empted transition {overtaken}"
-        )
+        reason = request.reason
+        if self._follow is not None:
+            self._withdraw(self._follow.request)
+            reason = reason or f"pre-empted transition {self._follow.request.id}"
         self._reason = "; ".join(part for part in (reason, why) if part)
         self._id, self._from, self._pending = request.id, self._stack.name, None
         self._follow = self._latched(request, source, self.target, moment)
@@ -204,8 +221,9 @@ class Transition:
         request = follow.request
         source, why = self._sources.present(follow.source, request.id, moment.tick)
         self._reason = why or self._reason
-        if source is not follow.source or not self._level_goes_on(follow, moment):
+        if source is not follow.source or self._level_jumps(follow, moment, means.bounds):
             follow = self._follow = self._latched(request, source, follow.origin, moment)
+            self._announce(request)  # the end that it was told is no longer right
         chi = self._sources.chi(source, request.id, request.stack, moment)
         state = (moment.kinematics, moment.references)
         view = View(
@@ -218,19 +236,28 @@ class Transition:
             free=means.free,
             solve=means.solve,
         )
-        elapsed = (moment.tick - follow.start) * self._dt
-        part = alpha(self._config.profile, elapsed, request.duration)
+        part = self._alpha(follow, moment.tick)
+        if part < 1.0 <= self._alpha(follow, moment.tick + 1) and self._config.at_end == "adopt":
+            # Told one tick ahead, so that the source never solves for nothing.
+            self._withdraw(request, from_tick=moment.tick + 2)
         return Plan(METHODS[request.method](view, follow.bridge, part), chi, part)
 
-    def _level_goes_on(self, follow: _Follow, moment: Moment) -> bool:
-        """Return whether level 1 asks for the same as at the tick before, or was latched now."""
+    def _alpha(self, follow: _Follow, tick: int) -> float:
+        """Return alpha of a blend at a tick."""
+        elapsed = (tick - follow.start) * self._dt
+        return alpha(self._config.profile, elapsed, follow.request.duration)
+
+    def _level_jumps(self, follow: _Follow, moment: Moment, bounds: Bounds) -> bool:
+        """Return whether new references move level 1 by more than the joints follow in one tick.
+
+        Less than that needs no bridge: a stream of small steps must not hold a transition up.
+        """
         if moment.references is moment.before or follow.start == moment.tick:
-            return True
+            return False
         level = self._stacks[follow.request.stack].levels[0]
-        return same_level(
-            level.linearise(moment.kinematics, moment.references),
-            level.linearise(moment.kinematics, moment.before),
-        )
+        new = level.linearise(moment.kinematics, moment.references)
+        old = level.linearise(moment.kinematics, moment.before)
+        return not follows_within(new, old, 0.5 * (bounds.upper - bounds.lower))
 
     def _adopt(self, follow: _Follow) -> None:
         """Take the new stack over; the source may rest."""
@@ -238,7 +265,6 @@ class Transition:
         if follow.source is Source.MINIMUM_VELOCITY:
             self._stack = self._sources.at_rest(follow.request.stack)
             self._aborted = f"{self._reason}; at rest"
-        self._announce(follow.request, active=False)
         self._follow = None
 
     def _told(self, part: float, gap: float) -> TransitionState:

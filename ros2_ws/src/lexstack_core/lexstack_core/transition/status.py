@@ -76,7 +76,7 @@ class SourceSample:
 
 @dataclass(frozen=True, slots=True)
 class Announcement:
-    """What A tells its source: solve this stack from this tick on, or no longer."""
+    """What A tells its source: solve this stack from a tick on, or no longer from a tick on."""
 
     id: int
     stack: str
@@ -90,15 +90,20 @@ class SourceSchedule:
     def __init__(self) -> None:
         """Start with nothing to solve."""
         self._active: dict[int, Announcement] = {}
+        self._ends: dict[int, int] = {}  # the tick from which on each is no longer wanted
 
     def hear(self, announcement: Announcement) -> None:
         """Take an announcement; a later one with the same id replaces it."""
-        self._active.pop(announcement.id, None)
         if announcement.active:
             self._active[announcement.id] = announcement
+            self._ends.pop(announcement.id, None)
+        elif announcement.id in self._active:
+            self._ends[announcement.id] = announcement.start_tick
 
     def current(self, tick: int) -> Announcement | None:
         """Return the newest stack whose start has come, and forget those that it replaced."""
+        for id_ in [id_ for id_, end in self._ends.items() if end <= tick]:
+            del self._ends[id_], self._active[id_]
         started = [entry for entry in self._active.values() if entry.start_tick <= tick]
         if not started:
             return None
@@ -106,4 +111,5 @@ class SourceSchedule:
         for entry in started:
             if entry.id != newest.id:
                 del self._active[entry.id]
+                self._ends.pop(entry.id, None)
         return newest

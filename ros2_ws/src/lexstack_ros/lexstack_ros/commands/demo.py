@@ -60,7 +60,7 @@ def _parser(root: Path) -> argparse.ArgumentParser:
     """Return the command line."""
     known = ", ".join(_scenarios(root))
     parser = argparse.ArgumentParser(
-        prog="scripts/demo",
+        prog="./scripts/demo",
         description="Run a scenario through all processes: simulation, robot A, robot B, recorder; "
         "then analyse its bag.",
     )

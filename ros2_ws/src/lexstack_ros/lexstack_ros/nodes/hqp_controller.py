@@ -103,7 +103,7 @@ class HqpControllerNode(Node):
         """Begin anew after a reset of the plant."""
         self._controller = build_controller(self._resolved, self._parts)
         self._targets.schedule = self._controller.references
-        self._requests.transition = self._controller.transition
+        self._requests.restart(self._controller.transition)
 
     def _health(self) -> Health:
         """Return how the node is."""
