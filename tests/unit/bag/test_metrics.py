@@ -19,7 +19,7 @@ def metrics(synthetic) -> Metrics:
 
 
 def test_the_whole_run(metrics, synthetic):
-    assert (metrics.scenario, metrics.mode, metrics.seed) == ("by-hand", "lockstep", 7)
+    assert (metrics.scenario, metrics.mode, metrics.seed) == ("transition-sequence", "lockstep", 7)
     assert metrics.rate_hz == 100.0
     assert metrics.ticks == 400
     assert metrics.late_ticks == 2

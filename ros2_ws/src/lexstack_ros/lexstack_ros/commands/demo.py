@@ -52,7 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"\nerror: {error}\nlogs: {out / 'logs'}", file=sys.stderr)
         return 1
     except _InterruptError:
-        print(f"\ninterrupted; what was recorded is in {out / 'bag'}", file=sys.stderr)
+        print(f"\ninterrupted; ./scripts/analyze {out} shows what was recorded", file=sys.stderr)
         return 130
 
 
