@@ -342,3 +342,24 @@ def test_a_state_of_rest_stays_at_rest():
     phases(run, 3)
     assert np.abs(run.record.commands[-1].chi).max() < 1e-9
     np.testing.assert_allclose(run.plant.state().q, home(), atol=1e-9)
+
+
+def test_time_optimal_is_as_fast_as_the_limits_allow():
+    """It uses the acceleration limits where the quintic of 1 s leaves most of them unused."""
+
+    def blend(config):
+        run = loop(transition=config)
+        run.controller.transition.ask("reach_base", 0.0, "", 1)
+        phases(run, 130)
+        chi = np.array([command.chi for command in run.record.commands])
+        steps = np.abs(np.diff(chi, axis=0)) / (0.01 * run.parts.team.limits.acceleration)
+        ticks = [c.transition.phase for c in run.record.commands].count(Phase.BLENDING)
+        assert run.record.commands[-1].stack == "reach_base"
+        return ticks, steps.max()
+
+    slow, slow_ratio = blend(TransitionConfig(duration=1.0))
+    fast, fast_ratio = blend(TransitionConfig(duration=1.0, profile="time_optimal"))
+    assert slow == 100
+    assert fast < 30
+    assert slow_ratio < 0.2
+    assert 0.7 < fast_ratio <= 1.0 + 1e-9

@@ -61,6 +61,25 @@ def test_a_task_that_is_not_finite(name, level, value):
 
 
 @pytest.mark.parametrize("name", SOLVERS)
+@pytest.mark.parametrize("size", [1e-300, 1e-160, 1e-20, 1e20, 1e100, 1e150])
+def test_numbers_out_of_all_proportion_end_in_a_value(name, size):
+    whole = problem("infeasible", 3, N, 3, inequalities=True)
+    for matrix, target, bound in ((size, 1, 1), (1, size, 1), (1, 1, size), (size, size, size)):
+        levels = tuple(
+            (LinearTask("t", matrix * task.matrix, target * task.lower, target * task.upper),)
+            for (task,) in whole.levels
+        )
+        given = HqpProblem(levels, Bounds(bound * whole.bounds.lower, bound * whole.bounds.upper))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            solution = make_solver(name).solve(given)
+        assert solution.solved == (solution.reason == "")
+        assert np.isfinite(solution.chi).all()
+        assert np.all(solution.chi >= given.bounds.lower)
+        assert np.all(solution.chi <= given.bounds.upper)
+
+
+@pytest.mark.parametrize("name", SOLVERS)
 def test_a_task_whose_row_is_empty(name):
     given = changed(1, lower=(0, 2.0), upper=(0, -2.0))
     assert_failed(make_solver(name).solve(given), given, "level 1", "lower end")

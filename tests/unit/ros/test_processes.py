@@ -11,7 +11,11 @@ import pytest
 from lexstack_ros.domain import NoDomainError, own_domain
 from lexstack_ros.supervisor import ChildDiedError, NotReadyError, Supervisor
 
-READY = "import time; print('ready', flush=True); time.sleep(60)"
+# A shell that starts the tests in the background lets them ignore SIGINT, and so their children.
+READY = (
+    "import signal, time; signal.signal(signal.SIGINT, signal.SIG_DFL);"
+    "print('ready', flush=True); time.sleep(60)"
+)
 STUBBORN = (
     "import signal, time; [signal.signal(s, signal.SIG_IGN) for s in (2, 15)];"
     "print('ready', flush=True); time.sleep(60)"

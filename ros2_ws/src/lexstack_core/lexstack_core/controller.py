@@ -83,6 +83,7 @@ class Controller:
             self._bounds or bounds,
             free=lambda: target_bounds(state.q_star, self._team.limits, self._dt),
             solve=lambda problem: self._solver.solve(problem).chi,
+            limits=self._team.limits,
         )
         plan = self.transition.step(kinematics, self.references.at(state.stamp), means)
         bounds = self._bounds = plan.problem.bounds

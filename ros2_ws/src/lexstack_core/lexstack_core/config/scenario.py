@@ -51,7 +51,8 @@ class TransitionConfig:
 
     duration: float  # s, of the blend
     method: MethodName = "bridge"
-    profile: Literal["quintic", "cosine", "linear"] = "quintic"
+    # How alpha rises; time_optimal: as fast as the joints allow, whatever the duration.
+    profile: Literal["quintic", "cosine", "linear", "time_optimal"] = "quintic"
     on_loss: Literal["local", "minimum_velocity"] = "local"  # what A follows when B is lost
     at_end: Literal["adopt", "stay"] = "adopt"  # take the stack over, or stay with B
 

@@ -80,8 +80,7 @@ class NullSpaceCascade:
     ) -> Vector | None:
         """Return the optimum if the last active set, or one that the backend foresees, is its."""
         levels = hierarchy.levels
-        calm = hierarchy.exact and not held.any()
-        if calm:
+        if hierarchy.exact:
             chi = solve_by_exchange(levels, lower, upper, Guess.of(levels, held), 1)
             if chi is not None:
                 return chi
@@ -89,11 +88,9 @@ class NullSpaceCascade:
             sides = self._backend.foresee(hierarchy, lower, upper, held)
         except _BACKEND_ERRORS:
             sides = None
-        if sides is not None:
-            return solve_by_exchange(levels, lower, upper, Guess.split(hierarchy, sides), _ROUNDS)
-        if hierarchy.exact and not calm:
-            return solve_by_exchange(levels, lower, upper, Guess.of(levels, held), 1)
-        return None
+        if sides is None:
+            return None
+        return solve_by_exchange(levels, lower, upper, Guess.split(hierarchy, sides), _ROUNDS)
 
     def _descend(
         self, levels: list[LevelRows], lower: Vector, upper: Vector, chi: Vector, held: Signs

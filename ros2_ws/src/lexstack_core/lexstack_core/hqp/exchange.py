@@ -92,6 +92,8 @@ def solve_by_exchange(
         chi = _on_bounds(guess.joints, lower, upper)
         free = np.flatnonzero(guess.joints == 0) if guess.joints.any() else None
         steps = _chain(levels, guess, free, chi)
+        if not math.isfinite(chi.dot(chi)):
+            return None
         outside = _hold(levels, chi, lower, upper, guess)
         if outside and left == 0:
             return None

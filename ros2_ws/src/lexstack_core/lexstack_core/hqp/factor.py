@@ -60,7 +60,7 @@ def _wide(matrix: Matrix, tolerance: float) -> Factor:
     rank = size
     if abs(packed[size - 1, size - 1]) <= tolerance:  # pivots fall in size
         rank = int(np.count_nonzero(np.abs(packed.diagonal()) > tolerance))
-    full = np.zeros((columns, columns), order="F")
+    full = np.empty((columns, columns), order="F")  # dorgqr fills the columns after the first ones
     full[:, :size] = packed[:, :size]
     basis: Matrix = dorgqr(full, tau, lwork=_WORK, overwrite_a=1)[0]
     order = pivots - 1

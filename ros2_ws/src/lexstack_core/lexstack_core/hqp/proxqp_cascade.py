@@ -20,7 +20,11 @@ _proxqp = proxsuite.proxqp
 
 
 class ProxqpBackend:
-    """A new ProxQP object per solve: it keeps nothing, so equal input gives equal bits."""
+    """A new ProxQP object per solve, so that it keeps nothing.
+
+    The last bits of its results depend on where its memory lies; those of chi do not, because only
+    the active set is taken.
+    """
 
     name = "proxqp"
 
@@ -61,6 +65,7 @@ def _configure(settings: Any, accuracy: float) -> None:
     settings.eps_abs = accuracy
     settings.eps_rel = 0.0
     settings.max_iter = _ITERATIONS
+    settings.max_iter_in = _ITERATIONS
     settings.initial_guess = _proxqp.InitialGuess.NO_INITIAL_GUESS
     # z = 0 is feasible and H has no directions of descent without end, so both verdicts are wrong.
     settings.eps_primal_inf = settings.eps_dual_inf = 0.0

@@ -54,9 +54,10 @@ class LevelQp:
         Scaled by the task, not by what the levels above leave of it: a level that is almost used
         up would have an enormous gradient, on which solvers stall.
         """
-        scale = 1.0 / (self.norm * self.norm)
-        hessian = scale * self.objective.T.dot(self.objective)
-        return hessian, -scale * self.target.dot(self.objective)
+        scale = -1.0 / (self.norm * self.norm)
+        hessian = self.objective.T.dot(self.objective)
+        hessian *= -scale
+        return hessian, scale * self.target.dot(self.objective)
 
     def contains(self, x: Vector) -> bool:
         """Whether x is inside all rows, up to rounding."""

@@ -8,6 +8,7 @@ the way, or away from the row that pulls most. Mostly the first look ends it.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,12 +68,14 @@ def refine(qp: LevelQp, sides: Signs) -> Point | str:
     sides = sides.copy()
     for _ in range(_STEPS):
         corner = _corner(qp, x, sides)
+        if not math.isfinite(corner.x.dot(corner.x)):
+            return "not finite"
         part, row = _reach(qp, x, corner.x, sides)
         if row < 0:
             pulled = sides * corner.pressed
             worst = int(np.argmin(pulled)) if pulled.size else -1
             if worst < 0 or pulled[worst] >= -MULTIPLIER:
-                return _point(qp, corner)
+                return _point(qp, corner, sides)
             x = corner.x
             sides[worst] = 0
         else:
@@ -115,7 +118,7 @@ def _reach(qp: LevelQp, x: Vector, corner: Vector, sides: Signs) -> tuple[float,
     return float(part[first]), int(outside[first])
 
 
-def _point(qp: LevelQp, corner: _Corner) -> Point:
+def _point(qp: LevelQp, corner: _Corner, sides: Signs) -> Point:
     """Return the optimum and the directions that change neither it nor a row that presses on it.
 
     A row with a multiplier holds for every optimum of the level: kept as an inequality, it would
@@ -123,7 +126,7 @@ def _point(qp: LevelQp, corner: _Corner) -> Point:
     """
     felt = np.abs(corner.pressed) > MULTIPLIER
     if qp.slacks == 0:
-        if np.count_nonzero(felt) == corner.walls.rank:
+        if np.count_nonzero(felt) == np.count_nonzero(sides):
             null = corner.walls.null.dot(corner.objective.null)
         else:
             null = _null(qp.rows[felt], qp.objective, qp.tolerance)

@@ -24,14 +24,14 @@ def weighted_qp(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> LevelQp:
     levels = hierarchy.levels
     n = lower.size
     step = max(_STEP, _RANGE ** (1.0 / max(len(levels), 1))) ** 0.5
-    weights = [step**k / level.norm for k, level in enumerate(levels)]
-    scale = np.repeat(weights, [level.lower.size for level in levels])
-    return level_qp(
-        hierarchy.matrix * scale[:, None],
-        hierarchy.equal,
-        (hierarchy.lower * scale, hierarchy.upper * scale),
-        (np.eye(n), lower, upper),
-        norm=1.0,
-        proximal=_RANGE,
-        simple=n,
-    )
+    scale = np.empty(hierarchy.lower.size)
+    weight = 1.0
+    start = 0
+    for level, end in zip(levels, hierarchy.ends, strict=True):
+        scale[start:end] = weight / level.norm
+        start = end
+        weight *= step
+    rows = hierarchy.matrix * scale[:, None]
+    ends = hierarchy.lower * scale, hierarchy.upper * scale
+    walls = np.eye(n), lower, upper
+    return level_qp(rows, hierarchy.equal, ends, walls, norm=1.0, proximal=_RANGE, simple=n)

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from lexstack_core.bounds import Bounds
 from lexstack_core.config.scenario import ScenarioConfig
 from lexstack_core.hqp import HqpProblem
 from lexstack_core.linear import Vector
 from lexstack_core.model import Kinematics
 from lexstack_core.references import References
 from lexstack_core.stack import Stack
-from lexstack_core.transition.bridge import Bridge, follows_within, latch, same_level
-from lexstack_core.transition.methods import METHODS, View
+from lexstack_core.transition.blend import Blend
+from lexstack_core.transition.methods import METHODS
 from lexstack_core.transition.plan import Means, Plan
-from lexstack_core.transition.profile import alpha
 from lexstack_core.transition.request import Answer, RequestBook, SwitchRequest
 from lexstack_core.transition.sources import LocalSource, Moment, Sources
 from lexstack_core.transition.status import (
@@ -27,17 +25,6 @@ from lexstack_core.transition.status import (
     SourceSample,
     TransitionState,
 )
-
-
-@dataclass(frozen=True, slots=True)
-class _Follow:
-    """A blend under way."""
-
-    request: SwitchRequest
-    source: Source
-    start: int  # the tick at which alpha is 0
-    bridge: Bridge
-    origin: Stack  # the stack that A comes from
 
 
 class Transition:
@@ -57,10 +44,11 @@ class Transition:
         self._sources = Sources(local, scenario)
         self._book = RequestBook(stacks, METHODS, scenario.transition)
         self._config = scenario.transition
+        self._adopts = scenario.transition.at_end == "adopt"
         self._lockstep = scenario.mode == "lockstep"
         self._dt = 1.0 / scenario.rate
         self._stack = stacks[scenario.initial_stack]
-        self._follow: _Follow | None = None
+        self._blend: Blend | None = None
         self._pending: SwitchRequest | None = None
         self._used: References | None = None
         self._tick = 0
@@ -73,7 +61,7 @@ class Transition:
     @property
     def target(self) -> Stack:
         """The stack in effect; during a blend the one that A goes to."""
-        return self._stack if self._follow is None else self._stacks[self._follow.request.stack]
+        return self._stack if self._blend is None else self._blend.target
 
     # ---- what comes in between two ticks
 
@@ -94,12 +82,12 @@ class Transition:
 
     def cancel(self) -> Answer:
         """Give up the transition under way and those scheduled, and go back smoothly."""
-        follow, dropped = self._follow, self._drop_coming()
-        if not dropped and follow is None:
+        blend, dropped = self._blend, self._drop_coming()
+        if not dropped and blend is None:
             return Answer(False, "there is no transition to cancel")
-        gone = follow.request.id if follow is not None else dropped[-1].id
+        gone = blend.request.id if blend is not None else dropped[-1].id
         self._aborted = f"transition {gone} was cancelled"
-        if follow is None:
+        if blend is None:
             return Answer(True, f"transition {gone} is cancelled before it began")
         answer = self._ask(self._stack.name, 0.0, "", 0, f"{self._aborted}; going back")
         return replace(answer, message=f"transition {gone} is cancelled; {answer.message}")
@@ -107,8 +95,8 @@ class Transition:
     def end(self) -> None:
         """Let the source forget all that was asked of it: this transition is not used further."""
         self._drop_coming()
-        if self._follow is not None:
-            self._withdraw(self._follow.request)
+        if self._blend is not None:
+            self._withdraw(self._blend.request)
 
     def hear(self, sample: SourceSample) -> None:
         """Take the source's newest chi."""
@@ -121,12 +109,12 @@ class Transition:
         due = self._book.peek(tick) or self._pending
         if due is not None:
             return self._sources.fresh(due.id, tick) is None
-        follow = self._follow
-        if follow is None or self._sources.fresh(follow.request.id, tick) is not None:
+        blend = self._blend
+        if blend is None or self._sources.fresh(blend.request.id, tick) is not None:
             return False
         # Once lost, B is waited for again only after it has been heard again.
-        return follow.source is Source.ROBOT_B or self._sources.answered_since(
-            follow.request.id, follow.start
+        return blend.source is Source.ROBOT_B or self._sources.answered_since(
+            blend.request.id, blend.start
         )
 
     def take_announcements(self) -> list[Announcement]:
@@ -152,18 +140,18 @@ class Transition:
             else:
                 self._begin(self._pending, *first, Moment(kinematics, references, before))
         self._used = references
-        if self._follow is None:
+        if self._blend is None:
             levels = self._stack.linearise(kinematics, references)
             return Plan(HqpProblem(levels, means.bounds), None, 1.0)
-        return self._blend(self._follow, Moment(kinematics, references, before), means)
+        return self._go_on(self._blend, Moment(kinematics, references, before), means)
 
     def finish(self, plan: Plan, chi: Vector) -> TransitionState:
         """Return what to tell of this tick, after ``chi`` (n,) was solved; adopt at the end."""
         gap = 0.0 if plan.source is None else float(np.max(np.abs(chi - plan.source)))
         told = self._told(plan.alpha, gap)
         self._aborted = ""
-        if self._follow is not None and plan.alpha >= 1.0 and self._config.at_end == "adopt":
-            self._adopt(self._follow)
+        if self._blend is not None and plan.alpha >= 1.0 and self._adopts:
+            self._adopt(self._blend)
         return told
 
     # ---- inside
@@ -195,97 +183,63 @@ class Transition:
     def _begin(self, request: SwitchRequest, source: Source, why: str, moment: Moment) -> None:
         """Start to follow: the pending request becomes the blend under way."""
         reason = request.reason
-        if self._follow is not None:
-            self._withdraw(self._follow.request)
-            reason = reason or f"pre-empted transition {self._follow.request.id}"
+        if self._blend is not None:
+            self._withdraw(self._blend.request)
+            reason = reason or f"pre-empted transition {self._blend.request.id}"
         self._reason = "; ".join(part for part in (reason, why) if part)
         self._id, self._from, self._pending = request.id, self._stack.name, None
-        self._follow = self._latched(request, source, self.target, moment)
-
-    def _latched(
-        self, request: SwitchRequest, source: Source, origin: Stack, moment: Moment
-    ) -> _Follow:
-        """Return a blend that starts at this tick: delta and epsilon latched, alpha at 0."""
-        level = (
-            self._stacks[request.stack].levels[0].linearise(moment.kinematics, moment.references)
-        )
-        before = self.target.levels[0].linearise(moment.kinematics, moment.before)
-        steady = self._follow is None or self._follow.bridge.epsilon is None
         chi = self._sources.chi(source, request.id, request.stack, moment)
-        command = moment.kinematics.state.command
-        bridge = latch(command, chi, level, steady and same_level(level, before))
-        return _Follow(request, source, moment.tick, bridge, origin)
+        stacks = (self.target, self._stacks[request.stack])
+        self._blend = Blend.latched(request, stacks, (source, chi), moment, self._blend)
 
-    def _blend(self, follow: _Follow, moment: Moment, means: Means) -> Plan:
-        """Return what the method asks for; latch anew where the source or level 1 changed."""
-        request = follow.request
-        source, why = self._sources.present(follow.source, request.id, moment.tick)
+    def _go_on(self, blend: Blend, moment: Moment, means: Means) -> Plan:
+        """Return what A solves in a blend; latch anew where the source or level 1 changed."""
+        request = blend.request
+        source, why = self._sources.present(blend.source, request.id, moment.tick)
         self._reason = why or self._reason
-        if source is not follow.source or self._level_jumps(follow, moment, means.bounds):
-            follow = self._follow = self._latched(request, source, follow.origin, moment)
-            self._announce(request)  # the end that it was told is no longer right
         chi = self._sources.chi(source, request.id, request.stack, moment)
-        state = (moment.kinematics, moment.references)
-        view = View(
-            self.target.levels[0].linearise(*state),
-            chi,
-            means.bounds,
-            means.before,
-            new=lambda: self.target.linearise(*state),
-            old=lambda: follow.origin.linearise(*state),
-            free=means.free,
-            solve=means.solve,
-        )
-        part = self._alpha(follow, moment.tick)
-        if part < 1.0 <= self._alpha(follow, moment.tick + 1) and self._config.at_end == "adopt":
+        if source is not blend.source or blend.level_jumps(moment, means.bounds):
+            stacks = (blend.origin, blend.target)
+            blend = Blend.latched(request, stacks, (source, chi), moment, blend)
+            self._announce(request)  # the end that it was told is no longer right
+        pace = (self._config, means.limits, self._dt)
+        blend = self._blend = blend.advanced(chi, moment.tick, *pace)
+        part = blend.progress.alpha
+        if (
+            part < 1.0 <= blend.advanced(chi, moment.tick + 1, *pace).progress.alpha
+            and self._adopts
+        ):
             # Told one tick ahead, so that the source never solves for nothing.
             self._withdraw(request, from_tick=moment.tick + 2)
-        return Plan(METHODS[request.method](view, follow.bridge, part), chi, part)
+        return Plan(blend.problem(moment, means), chi, part)
 
-    def _alpha(self, follow: _Follow, tick: int) -> float:
-        """Return alpha of a blend at a tick."""
-        elapsed = (tick - follow.start) * self._dt
-        return alpha(self._config.profile, elapsed, follow.request.duration)
-
-    def _level_jumps(self, follow: _Follow, moment: Moment, bounds: Bounds) -> bool:
-        """Return whether new references move level 1 by more than the joints follow in one tick.
-
-        Less than that needs no bridge: a stream of small steps must not hold a transition up.
-        """
-        if moment.references is moment.before or follow.start == moment.tick:
-            return False
-        level = self._stacks[follow.request.stack].levels[0]
-        new = level.linearise(moment.kinematics, moment.references)
-        old = level.linearise(moment.kinematics, moment.before)
-        return not follows_within(new, old, 0.5 * (bounds.upper - bounds.lower))
-
-    def _adopt(self, follow: _Follow) -> None:
+    def _adopt(self, blend: Blend) -> None:
         """Take the new stack over; the source may rest."""
-        self._stack = self._stacks[follow.request.stack]
-        if follow.source is Source.MINIMUM_VELOCITY:
-            self._stack = self._sources.at_rest(follow.request.stack)
+        self._stack = blend.target
+        if blend.source is Source.MINIMUM_VELOCITY:
+            self._stack = self._sources.at_rest(blend.request.stack)
             self._aborted = f"{self._reason}; at rest"
-        self._follow = None
+        self._blend = None
 
     def _told(self, part: float, gap: float) -> TransitionState:
         """Return the state of this tick in the words of the message."""
-        follow, pending = self._follow, self._pending
+        blend, pending = self._blend, self._pending
         state = TransitionState(
             self._id,
             self._from,
             self.target.name,
-            Source.NONE if follow is None else follow.source,
-            "" if follow is None else follow.request.method,
+            Source.NONE if blend is None else blend.source,
+            "" if blend is None else blend.request.method,
             Phase.IDLE,
             part,
-            0.0 if follow is None else follow.request.duration,
+            0.0 if blend is None else blend.request.duration,
             gap,
             self._reason,
         )
         if self._aborted:
             return replace(state, phase=Phase.ABORTED, reason=self._aborted)
-        if follow is not None:
-            at_end = part >= 1.0 and self._config.at_end == "adopt"
+        if blend is not None:
+            at_end = part >= 1.0 and self._adopts
             return replace(state, phase=Phase.ADOPTING if at_end else Phase.BLENDING)
         coming = pending or (self._book.scheduled[0] if self._book.scheduled else None)
         if coming is None:

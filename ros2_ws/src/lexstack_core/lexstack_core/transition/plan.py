@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from lexstack_core.bounds import Bounds
+from lexstack_core.bounds import Bounds, JointLimits
 from lexstack_core.hqp import HqpProblem
 from lexstack_core.linear import Vector
 
@@ -34,9 +34,11 @@ class Means:
         before: A's box of the tick before; that of this tick where there is none.
         free: the box without acceleration limits, T(35).
         solve: solves a further problem; its chi has shape (n,).
+        limits: of the joints.
     """
 
     bounds: Bounds
     before: Bounds
     free: Callable[[], Bounds]
     solve: Callable[[HqpProblem], Vector]
+    limits: JointLimits
