@@ -94,7 +94,7 @@ def copy_of_config(folder):
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"initial_stack": "dance"}, "initial_stack: unknown 'dance'; known: posture"),
+        ({"initial_stack": "dance"}, "initial_stack: unknown 'dance'; known: "),
         ({"events": [{"at": 1.0, "switch": "dance"}]}, "events[0].switch: unknown 'dance'"),
         ({"robots": {"robot_a": {"model": "r2d2", "base": [0, 0, 0]}}}, "r2d2.yaml"),
         ({"name": "other"}, "name: expected"),

@@ -82,7 +82,7 @@ def test_the_team_stacks_its_robots():
 def test_wrong_teams_and_models_are_refused():
     robot = team().robots[0]
     with pytest.raises(ConfigurationError, match="names must differ"):
-        Team((robot, robot))
+        Team((robot, robot), 0.01)
     with pytest.raises(ConfigurationError, match="unknown robot 'x'; known: robot_a, robot_b"):
         team().index("x")
     config = robot.config

@@ -16,6 +16,7 @@ from support.scenario import home, random_q, resolved, state_at, team
 
 RNG = np.random.default_rng(2)
 DT = 0.01
+NEEDED = {"relative_pose": {"other": "robot_a"}}  # parameters without a default
 
 
 def make(kind, robot=0, **parameters):
@@ -32,18 +33,26 @@ def references(q=None):
 @pytest.mark.parametrize("kind", sorted(TASKS))
 def test_every_task_has_rows_of_the_right_shape(kind):
     q = random_q(RNG)
-    task = make(kind, robot=1)
+    task = make(kind, robot=1, **NEEDED.get(kind, {}))
     linear = task.linearise(team().kinematics(state_at(q)), references())
     assert linear.name == task.name == f"robot_b/{kind}"
     assert linear.matrix.shape == (linear.lower.size, team().n)
-    np.testing.assert_array_equal(linear.lower, linear.upper)
-    assert not linear.matrix[:, :10].any(), "it concerns robot B alone"
+    assert linear.upper.shape == linear.lower.shape
+    assert (linear.lower <= linear.upper).all()
+    if kind not in NEEDED:
+        assert not linear.matrix[:, :10].any(), "it concerns robot B alone"
 
 
 @pytest.mark.parametrize("kind", sorted(TASKS))
 def test_an_unknown_parameter_is_refused(kind):
     with pytest.raises(ConfigurationError, match="here: unknown key 'wrong'"):
         make(kind, wrong=1.0)
+
+
+@pytest.mark.parametrize("kind", sorted(set(TASKS) - {"minimum_velocity"}))
+def test_a_gain_that_is_not_positive_is_refused(kind):
+    with pytest.raises(ConfigurationError, match="here: gain: must be finite and > 0"):
+        make(kind, gain=0.0, **NEEDED.get(kind, {}))
 
 
 @pytest.mark.parametrize("_", range(10))

@@ -12,17 +12,24 @@ acceleration limit and dt the control period:
 u is odd and increasing, clipping is monotone: lower <= upper from every state. In discrete time,
 q(k+1) = q(k) + dt chi, moving at u(d) leaves the room d' with u(d') >= u(d) - a dt, so the box of
 the next step always reaches below U again: whoever is inside the limits stays inside.
+
+With jerk limits, and where the last acceleration is known, the law is that of ``jerk.JerkLaw``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lexstack_core.braking import approach_speed
 from lexstack_core.errors import ModelError
+from lexstack_core.jerk import JerkLaw
 from lexstack_core.linear import Vector
+
+__all__ = ["Bounds", "JointLimits", "approach_speed", "target_bounds", "viable_bounds"]
 
 # Stands for an infinite position limit: far enough that the velocity limit decides, near enough
 # that 2 a d does not overflow.
@@ -115,12 +122,16 @@ def viable_bounds(
     dt: float,
     applied: Vector,
     sent: Vector | None = None,
+    acceleration: Vector | None = None,
 ) -> Bounds:
     """Return the box of all chi after which the joints can still stop within their limits.
 
     Takes the place of T(31). Where the joint starts outside its position limits or above its
     velocity limit, the box leads back at the acceleration limit. ``lower <= upper`` holds for
     every finite input; a NaN in the input is a NaN, hence an empty interval, in the output.
+
+    With ``acceleration``, the acceleration of two boxes in a row differs by at most jerk dt on
+    every joint with a jerk limit; joints without one keep the box that they had.
 
     Args:
         position: q*, the integral of the commands, shape (n,), m and rad.
@@ -130,18 +141,22 @@ def viable_bounds(
         sent: the velocity that was sent last, if it may not have arrived. The box then keeps the
             acceleration limit whichever of the two the plant has, except on joints where they
             are too far apart for that: there it is the box of ``applied``.
+        acceleration: of the last tick, (applied - the velocity applied before it) / dt, shape
+            (n,), m/s^2 and rad/s^2; None: jerk is not limited.
     """
-    box = _stoppable(position, limits, dt)
-    reach = limits.acceleration * dt
-    lowest, highest = applied - reach, applied + reach
-    if sent is not None:
-        lowest, highest = _common(lowest, highest, sent - reach, sent + reach)
-    n = position.size
-    lower, upper = box[:n], box[n:]
-    for side in (lower, upper):
-        np.maximum(side, lowest, out=side)
-        np.minimum(side, highest, out=side)
-    return _frozen(lower, upper)
+    law, free = _jerk_law(limits, dt)
+    if acceleration is None or law is None:
+        return _without_jerk(position, limits, dt, applied, sent)
+    least, largest = law.changes(position, applied, acceleration * dt)
+    least += applied
+    largest += applied
+    if sent is not None and sent is not applied:
+        reach = limits.acceleration * dt
+        least, largest = _common(least, largest, sent - reach, sent + reach)
+    if free is not None:
+        box = _without_jerk(position, limits, dt, applied, sent)
+        least, largest = np.where(free, box.lower, least), np.where(free, box.upper, largest)
+    return _frozen(least, largest)
 
 
 def target_bounds(position: Vector, limits: JointLimits, dt: float) -> Bounds:
@@ -156,26 +171,32 @@ def target_bounds(position: Vector, limits: JointLimits, dt: float) -> Bounds:
     return _frozen(box[: position.size], box[position.size :])
 
 
-def approach_speed(room: Vector, rate: Vector, dt: float) -> Vector:
-    """Return u(d), the speed from which ``rate`` still stops within the room d, in steps of dt.
+def _without_jerk(
+    position: Vector, limits: JointLimits, dt: float, applied: Vector, sent: Vector | None
+) -> Bounds:
+    """Return the box of position, velocity and acceleration limits; see ``viable_bounds``."""
+    box = _stoppable(position, limits, dt)
+    reach = limits.acceleration * dt
+    lowest, highest = applied - reach, applied + reach
+    if sent is not None:
+        lowest, highest = _common(lowest, highest, sent - reach, sent + reach)
+    n = position.size
+    lower, upper = box[:n], box[n:]
+    for side in (lower, upper):
+        np.maximum(side, lowest, out=side)
+        np.minimum(side, highest, out=side)
+    return _frozen(lower, upper)
 
-    A jerk limit is the same law one derivative up: room in velocity, rate in jerk.
 
-    Args:
-        room: signed distance to the limit, shape (n,).
-        rate: the largest change of the result per second, shape (n,), positive.
-        dt: control period [s].
-    """
-    # The printed form subtracts nearly equal numbers close to the limit; this quotient is equal to
-    # it, has no cancellation, and carries the sign of d by itself.
-    reach = rate * dt
-    doubled = rate * room
-    doubled += doubled
-    root = np.abs(doubled)
-    root += reach * reach
-    np.sqrt(root, out=root)
-    root += reach
-    return np.divide(doubled, root, out=root)
+@lru_cache(maxsize=64)
+def _jerk_law(limits: JointLimits, dt: float) -> tuple[JerkLaw | None, NDArray[np.bool_] | None]:
+    """Return the law, None where no joint has a jerk limit; and the joints without, if any."""
+    free = np.isinf(limits.jerk)
+    if free.all():
+        return None, free
+    position = (limits.position_lower, limits.position_upper)
+    law = JerkLaw(position, limits.velocity, limits.acceleration, limits.jerk, dt)
+    return law, free if free.any() else None
 
 
 def _stoppable(position: Vector, limits: JointLimits, dt: float) -> Vector:

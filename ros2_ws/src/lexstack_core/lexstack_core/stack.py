@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack_core.config.stack import StackConfig, TaskConfig
+from lexstack_core.bounds import JointLimits
+from lexstack_core.config.stack import JointLimitConfig, StackConfig, TaskConfig
 from lexstack_core.errors import ConfigurationError
 from lexstack_core.linear import LinearTask
 from lexstack_core.model import Kinematics, Team
@@ -31,10 +32,17 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Stack:
-    """Ordered levels, index 0 the highest priority (SoT in T)."""
+    """Ordered levels, index 0 the highest priority (SoT in T).
+
+    Attributes:
+        name: unique among the stacks.
+        levels: highest first.
+        limits: of all joints while this stack is in effect; None: the robots' own.
+    """
 
     name: str
     levels: tuple[Level, ...]
+    limits: JointLimits | None = None
 
     def linearise(
         self, kinematics: Kinematics, references: References
@@ -56,7 +64,7 @@ def build_stack(config: StackConfig, team: Team) -> Stack:
             scales += [float(np.sqrt(task.weight))] * len(built)
         levels.append(Level(tuple(tasks), tuple(scales)))
     _check_names(config.name, levels)
-    return Stack(config.name, tuple(levels))
+    return Stack(config.name, tuple(levels), _build_limits(config, team))
 
 
 def _build_tasks(config: TaskConfig, team: Team, where: str) -> list[Task]:
@@ -67,6 +75,46 @@ def _build_tasks(config: TaskConfig, team: Team, where: str) -> list[Task]:
     robots = [team.index(config.robot)] if config.robot else range(len(team.robots))
     make = TASKS[config.type]
     return [make(team, robot, config.parameters, f"{where}: parameters") for robot in robots]
+
+
+def _build_limits(config: StackConfig, team: Team) -> JointLimits | None:
+    """Return the limits of all joints, shape (n,) each, or None where the file has none."""
+    if not config.limits:
+        return None
+    fields = ("position_lower", "position_upper", "velocity", "acceleration", "jerk")
+    values = {name: getattr(team.limits, name).copy() for name in fields}
+    for robot, joints in config.limits.items():
+        where = f"stack {config.name}: limits"
+        _known(where, "robot", robot, team.names)
+        place = team.index(robot)
+        for joint, limit in joints.items():
+            _known(f"{where}.{robot}", "joint", joint, team.robots[place].joints)
+            i = team.slices[place].start + team.robots[place].joints.index(joint)
+            for name, value in _given(limit).items():
+                _check_within(f"{where}.{robot}.{joint}", name, value, values[name][i])
+                values[name][i] = value
+    return JointLimits(**values)
+
+
+def _given(limit: JointLimitConfig) -> dict[str, float]:
+    """Return the limits that a file gives for a joint, by their names in ``JointLimits``."""
+    lower, upper = limit.position or (None, None)
+    values = {"position_lower": lower, "position_upper": upper}
+    values |= {name: getattr(limit, name) for name in ("velocity", "acceleration", "jerk")}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _check_within(where: str, name: str, value: float, own: float) -> None:
+    """Raise ConfigurationError for a limit that is wider than the robot's own."""
+    wider = value < own if name == "position_lower" else value > own
+    if wider:
+        raise ConfigurationError(f"{where}: {name}: {value} is beyond the robot's own {own}")
+
+
+def _known(where: str, kind: str, name: str, known: tuple[str, ...]) -> None:
+    """Raise ConfigurationError unless ``name`` is one of the known."""
+    if name not in known:
+        raise ConfigurationError(f"{where}: unknown {kind} {name!r}; known: {', '.join(known)}")
 
 
 def _check_names(stack: str, levels: list[Level]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from time import perf_counter
 from typing import Protocol
 
 import numpy as np
@@ -11,13 +12,19 @@ import numpy as np
 from lexstack_core.build import Parts, build_controller, build_references, build_stack_solver
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.config.scenario import EventConfig
-from lexstack_core.controller import Command
+from lexstack_core.controller import Command, Controller
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
-from lexstack_core.references import Target, pose_from_config
+from lexstack_core.references import References, Target, pose_from_config
 from lexstack_core.state import RobotState
-from lexstack_core.transition.status import SourceSample, SourceSchedule
+from lexstack_core.transition.status import Announcement, SourceSample, SourceSchedule
 from lexstack_sim.plant import Plant
+
+AskB = Callable[[Announcement, RobotState, References], SourceSample | None]
+"""Robot B's answer for a tick, or an earlier one, or none."""
+
+Link = Callable[[SourceSample], SourceSample | None]
+"""What robot A hears when robot B sends: the message, another one, or nothing."""
 
 
 class AnyPlant(Protocol):
@@ -38,24 +45,41 @@ class Record:
 
     states: list[RobotState] = field(default_factory=list)
     commands: list[Command] = field(default_factory=list)
+    references: list[References] = field(default_factory=list)  # as robot B has them
+    targets: list[Target] = field(default_factory=list)  # all that were ever added
     sources: dict[int, np.ndarray] = field(default_factory=dict)  # robot B's chi by tick
+    b_times: dict[int, float] = field(default_factory=dict)  # s of wall time of B's solve, by tick
 
 
 class Loop:
     """Robot A, robot B and the plant, as the processes run them, in lockstep."""
 
-    def __init__(self, resolved: ResolvedScenario, plant: AnyPlant | None = None) -> None:
-        """Build all parts and schedule the scenario's events; default plant: MuJoCo's."""
+    def __init__(
+        self,
+        resolved: ResolvedScenario,
+        plant: AnyPlant | None = None,
+        controller: Controller | None = None,
+    ) -> None:
+        """Build all parts and schedule the scenario's events.
+
+        Args:
+            resolved: the scenario.
+            plant: default: MuJoCo's.
+            controller: robot A; default: as the nodes build it.
+        """
         self.resolved = resolved
         self.parts = Parts.of(resolved)
         self.plant: AnyPlant = plant or Plant(resolved, self.parts.team, resolved.scenario.seed)
-        self.controller = build_controller(resolved, self.parts)
+        self.controller = controller or build_controller(resolved, self.parts)
         self.references_b = build_references(resolved, self.parts.team)
         self.solver_b = build_stack_solver(resolved, self.parts)
         self.schedule = SourceSchedule()
         self.record = Record()
-        # Whether robot B answers at a tick; experiments replace it.
+        # Whether robot B answers at a tick, how it is asked, and what A hears of its answer;
+        # experiments replace them.
         self.b_answers: Callable[[int], bool] = lambda _tick: True
+        self.ask_b: AskB = self._ask_b
+        self.link: Link = lambda sample: sample
         for event in resolved.scenario.events:
             self._schedule_event(event)
 
@@ -74,23 +98,38 @@ class Loop:
         wanted = self.schedule.current(state.tick)
         references = self.references_b.at(state.stamp)
         if wanted is not None and self.b_answers(state.tick):
-            kinematics = self.parts.team.kinematics(state)
-            solution = self.solver_b.solve(wanted.stack, kinematics, references)
-            self.record.sources[state.tick] = solution.chi
-            self.controller.transition.hear(
-                SourceSample(wanted.id, state.tick, solution.chi, solution.solved)
-            )
+            sample = self.ask_b(wanted, state, references)
+            heard = None if sample is None else self.link(sample)
+            if heard is not None:
+                self.controller.transition.hear(heard)
         command = self.controller.tick(state)
         self.record.states.append(state)
         self.record.commands.append(command)
+        self.record.references.append(references)
         self.plant.step(command.chi)
         return command
 
+    def add_target(self, target: Target) -> None:
+        """Give a new reference to both robots, as a message would."""
+        self.record.targets.append(target)
+        self.controller.references.add(target)
+        self.references_b.add(target)
+
+    def _ask_b(
+        self, wanted: Announcement, state: RobotState, references: References
+    ) -> SourceSample:
+        """Return robot B's answer for this tick, and keep it in the record."""
+        begun = perf_counter()
+        kinematics = self.parts.team.kinematics(state)
+        solution = self.solver_b.solve(wanted.stack, kinematics, references)
+        self.record.b_times[state.tick] = perf_counter() - begun
+        self.record.sources[state.tick] = solution.chi
+        return SourceSample(wanted.id, state.tick, solution.chi, solution.solved)
+
     def _schedule_event(self, event: EventConfig) -> None:
         """Hand an event of the scenario to those whom it concerns."""
-        for schedule in (self.controller.references, self.references_b):
-            for target in targets_of(event, self.parts.team):
-                schedule.add(target)
+        for target in targets_of(event, self.parts.team):
+            self.add_target(target)
         if event.switch:
             tick = round(event.at * self.resolved.scenario.rate)
             self.controller.transition.ask(event.switch, event.duration, "", tick)

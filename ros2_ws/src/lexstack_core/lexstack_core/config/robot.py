@@ -112,6 +112,20 @@ class ArmConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class SphereConfig:
+    """A sphere on a link: together they stand for the robot where distances are kept."""
+
+    link: str  # base, or a link of the arm
+    xyz: Vector3  # m, its centre in the link's frame
+    radius: float  # m
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a value out of range."""
+        finite(where, xyz=self.xyz)
+        positive(where, radius=self.radius)
+
+
+@dataclass(frozen=True, slots=True)
 class RobotConfig:
     """One kind of robot: base, arm, and the tool frame that end-effector tasks move."""
 
@@ -119,3 +133,4 @@ class RobotConfig:
     base: BaseConfig
     arm: ArmConfig
     tool: FrameConfig  # parent: a link of the arm
+    spheres: tuple[SphereConfig, ...] = ()  # none: it takes no part in any distance

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from lexstack_core.config.checks import not_negative, positive
+from lexstack_core.config.checks import finite, not_negative, positive
 from lexstack_core.config.robot import Vector3
 from lexstack_core.errors import ConfigurationError
 
@@ -29,6 +29,20 @@ class PlacementConfig:
 
     model: str  # a name of config/robots
     base: Vector3  # x [m], y [m], yaw [rad] in the world frame
+
+
+@dataclass(frozen=True, slots=True)
+class ObstacleConfig:
+    """A sphere in the robots' way: everybody knows where it is at any time."""
+
+    position: Vector3  # m, of its centre at the scenario's start, world frame
+    radius: float  # m
+    velocity: Vector3 = (0.0, 0.0, 0.0)  # m/s, constant
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a value out of range."""
+        finite(where, position=self.position, velocity=self.velocity)
+        positive(where, radius=self.radius)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +126,7 @@ class ScenarioConfig:
     events: tuple[EventConfig, ...] = ()
     ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # default: where it starts
     base_target: dict[str, Vector3] = field(default_factory=dict)  # default: where it starts
+    obstacles: dict[str, ObstacleConfig] = field(default_factory=dict)  # by name
     timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)
     solver: str = "daqp"  # a key of lexstack_core.hqp.SOLVERS
     mode: Mode = "lockstep"

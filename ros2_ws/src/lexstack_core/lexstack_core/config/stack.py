@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from lexstack_core.config.checks import positive
 from lexstack_core.errors import ConfigurationError
 
 
@@ -36,12 +37,37 @@ class LevelConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class JointLimitConfig:
+    """Tighter limits of one joint; what is not given stays as the robot has it."""
+
+    position: tuple[float, float] | None = None  # rad (bases: m, m, rad): lower, upper
+    velocity: float | None = None  # rad/s (bases: m/s, m/s, rad/s)
+    acceleration: float | None = None  # rad/s2 (bases: m/s2, m/s2, rad/s2)
+    jerk: float | None = None  # rad/s3 (bases: m/s3, m/s3, rad/s3)
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a value out of range, or where no limit is given."""
+        if self.position is not None and not self.position[0] < self.position[1]:
+            lower, upper = self.position
+            raise ConfigurationError(f"{where}: position: lower {lower} is not below upper {upper}")
+        rates = {
+            name: getattr(self, name)
+            for name in ("velocity", "acceleration", "jerk")
+            if getattr(self, name) is not None
+        }
+        positive(where, **rates)
+        if self.position is None and not rates:
+            raise ConfigurationError(f"{where}: no limit is given")
+
+
+@dataclass(frozen=True, slots=True)
 class StackConfig:
-    """Ordered levels, index 0 the highest priority."""
+    """Ordered levels, index 0 the highest priority, and the limits while they are in effect."""
 
     name: str
     description: str
     levels: tuple[LevelConfig, ...]
+    limits: dict[str, dict[str, JointLimitConfig]] = field(default_factory=dict)  # robot, joint
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a stack without levels."""

@@ -18,6 +18,8 @@ from lexstack_core.linear import LinearTask, Vector
 class HqpProblem:
     """Strictly ordered levels of linear tasks, and the box that chi never leaves.
 
+    Freedom that no level uses is spent on the smallest ``||chi||``: the optimum is unique.
+
     Attributes:
         levels: index 0 is the highest priority; the tasks of one level are minimised together.
         bounds: box on chi, never relaxed, never empty.
@@ -40,11 +42,11 @@ class Solution:
 
     Attributes:
         chi: optimum, shape (n,); on failure the last level that was solved, or the bounds'
-            nearest point to zero: always inside the bounds.
+            nearest point to zero: always inside the bounds (zero where they hold no number).
         slacks: norm of each level's residual at chi, shape (levels,).
         status: whether every level was solved.
         reason: empty when solved; else one line that names the level and the backend's word.
-        active: -1, 0 or +1 per variable of chi: which bound holds, shape (n,).
+        active: -1, 0 or +1 per variable of chi: which bound holds (+1 if both), shape (n,).
         solve_time: wall time of the solve [s].
     """
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from lexstack_core.linear import Matrix, Vector
+from lexstack_core.model.spheres import Spheres
 from lexstack_core.state import RobotState
 
 
@@ -30,8 +32,27 @@ class Kinematics:
         tools: pose of each robot's tool frame.
         jacobians: each robot's tool Jacobian, shape (6, n_robot): linear then angular velocity,
             at the tool's origin, axes parallel to the world (LOCAL_WORLD_ALIGNED).
+        spheres: returns the collision spheres at the measured q; made when first asked for.
     """
 
     state: RobotState
     tools: tuple[Pose, ...]
     jacobians: tuple[Matrix, ...]
+    spheres: Callable[[], Spheres]
+
+
+class Once:
+    """A function without arguments that is called when first needed, and never again."""
+
+    __slots__ = ("_make", "_value")
+
+    def __init__(self, make: Callable[[], Spheres]) -> None:
+        """Remember what to call."""
+        self._make = make
+        self._value: Spheres | None = None
+
+    def __call__(self) -> Spheres:
+        """Return its value."""
+        if self._value is None:
+            self._value = self._make()
+        return self._value

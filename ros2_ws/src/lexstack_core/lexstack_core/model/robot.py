@@ -10,6 +10,7 @@ from lexstack_core.config.robot import RobotConfig
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model.description import BASE_JOINTS, build_robot
 from lexstack_core.model.kinematics import Pose
+from lexstack_core.model.spheres import SphereModel
 
 BASE = slice(0, 3)
 ARM = slice(3, None)
@@ -24,6 +25,7 @@ class RobotModel:
         pinocchio: the model, base x, y, yaw in the world frame and then the arm.
         joints: names of its joints in the order of its part of chi.
         limits: shape (n,) each; bases have no position limits.
+        spheres: that stand for it where distances are kept.
     """
 
     def __init__(self, name: str, config: RobotConfig) -> None:
@@ -33,6 +35,7 @@ class RobotModel:
         self.pinocchio: pin.Model = build_robot(config)
         self.joints: tuple[str, ...] = (*BASE_JOINTS, *config.arm.joints)
         self.limits = _limits(config)
+        self.spheres = SphereModel(name, self.pinocchio, config.spheres)
         self._data: pin.Data = self.pinocchio.createData()
         self._tool: int = self.pinocchio.getFrameId("tool")
 

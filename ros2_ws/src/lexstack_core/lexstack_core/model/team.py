@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from functools import cached_property, partial
+
 import numpy as np
 
 from lexstack_core.bounds import JointLimits
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.errors import ConfigurationError
-from lexstack_core.linear import Vector
-from lexstack_core.model.kinematics import Kinematics, Pose
+from lexstack_core.linear import Matrix, Vector
+from lexstack_core.model.kinematics import Kinematics, Once, Pose
+from lexstack_core.model.obstacles import Obstacles
 from lexstack_core.model.robot import RobotModel
+from lexstack_core.model.spheres import Indices, Spheres
 from lexstack_core.state import RobotState
 
 
 class Team:
-    """The robots, and which part of chi belongs to whom.
+    """The robots, which part of chi belongs to whom, and what is in their way.
 
     Attributes:
         robots: in the configured order.
@@ -22,11 +26,17 @@ class Team:
         slices: each robot's part of chi.
         n: length of chi.
         limits: of all joints, shape (n,) each.
+        dt: control period [s].
+        obstacles: that distances are kept to.
     """
 
-    def __init__(self, robots: tuple[RobotModel, ...]) -> None:
+    def __init__(
+        self, robots: tuple[RobotModel, ...], dt: float, obstacles: Obstacles | None = None
+    ) -> None:
         """Stack the robots; their names must differ."""
         self.robots = robots
+        self.dt = dt
+        self.obstacles = Obstacles({}) if obstacles is None else obstacles
         self.names = tuple(robot.name for robot in robots)
         if len(set(self.names)) != len(robots):
             raise ConfigurationError(f"robots: names must differ, got {', '.join(self.names)}")
@@ -51,12 +61,12 @@ class Team:
     @classmethod
     def from_scenario(cls, resolved: ResolvedScenario) -> Team:
         """Return the team of a scenario."""
-        return cls(
-            tuple(
-                RobotModel(name, resolved.robots[place.model])
-                for name, place in resolved.scenario.robots.items()
-            )
+        scenario = resolved.scenario
+        robots = (
+            RobotModel(name, resolved.robots[place.model])
+            for name, place in scenario.robots.items()
         )
+        return cls(tuple(robots), 1.0 / scenario.rate, Obstacles(scenario.obstacles))
 
     def index(self, name: str) -> int:
         """Return a robot's place in the order; raises ConfigurationError listing the known."""
@@ -82,5 +92,35 @@ class Team:
             robot.tool(state.q[part]) for robot, part in zip(self.robots, self.slices, strict=True)
         ]
         return Kinematics(
-            state, tuple(pose for pose, _ in results), tuple(jacobian for _, jacobian in results)
+            state,
+            tuple(pose for pose, _ in results),
+            tuple(jacobian for _, jacobian in results),
+            Once(partial(self.spheres, state.q)),
         )
+
+    def spheres(self, q: Vector) -> Spheres:
+        """Return all collision spheres at the stacked configuration q, shape (n,)."""
+        results = [
+            robot.spheres.at(q[part]) for robot, part in zip(self.robots, self.slices, strict=True)
+        ]
+        radii, owners, moved_by = self._fixed
+        return Spheres(
+            np.concatenate([centers for centers, _ in results]),
+            radii,
+            owners,
+            moved_by,
+            np.concatenate([twists for _, twists in results], axis=1),
+        )
+
+    @cached_property
+    def _fixed(self) -> tuple[Vector, Indices, Matrix]:
+        """Return what does not move: ``Spheres.radii``, ``owners`` and ``moved_by``."""
+        counts = [len(robot.spheres.radii) for robot in self.robots]
+        owners = np.repeat(np.arange(len(self.robots)), counts)
+        moved_by = np.zeros((len(owners), self.n))
+        for i, (robot, part) in enumerate(zip(self.robots, self.slices, strict=True)):
+            moved_by[owners == i, part] = robot.spheres.moved_by
+        radii = np.concatenate([robot.spheres.radii for robot in self.robots])
+        for array in (radii, owners, moved_by):
+            array.setflags(write=False)
+        return radii, owners, moved_by

@@ -1,0 +1,1 @@
+"""What the experiments compare with, and nobody else needs."""

@@ -1,0 +1,1 @@
+"""The commands ``scripts/experiment`` and ``scripts/bench``."""

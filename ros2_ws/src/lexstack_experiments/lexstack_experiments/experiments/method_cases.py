@@ -1,0 +1,185 @@
+"""The cases on which transition methods are compared: what happens, and which rows it makes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.config.scenario import EventConfig
+from lexstack_core.linear import Vector
+from lexstack_core.model import Pose, Team
+from lexstack_core.references import Target
+from lexstack_core.transition.profile import quintic
+from lexstack_experiments.links import Delayed, Frozen, Lost
+from lexstack_experiments.loop import Link
+from lexstack_experiments.runs import changed, scenario_of
+
+Stream = Callable[[float], list[Target]]
+"""The references that are sent at a time [s]."""
+
+_STRETCHED = (0.0, 0.0, 0.0, -0.07, 0.0, 1.5708, 0.7854)  # rad, the elbow at its limit
+_HEARD = 0.15  # s, how old B's chi may be where it is late
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A part of a case that makes a row of the table.
+
+    Attributes:
+        name: of the row.
+        start: s, the first switch in it.
+        end: s, not part of it.
+        steps: whether the references of level 1 jump at ``start``.
+    """
+
+    name: str
+    start: float
+    end: float
+    steps: bool = False
+
+
+def _direct() -> Link:
+    """Return a link on which nothing happens to B's messages."""
+    return lambda sample: sample
+
+
+def _silent(_time: float) -> list[Target]:
+    """Return no references."""
+    return []
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One closed loop.
+
+    Attributes:
+        about: what happens, in words.
+        resolved: the scenario with its switches.
+        rows: what is looked at.
+        link: makes what becomes of B's messages.
+        stream: references sent at every tick.
+    """
+
+    about: str
+    resolved: ResolvedScenario
+    rows: tuple[Row, ...]
+    link: Callable[[], Link] = _direct
+    stream: Stream = _silent
+
+
+def cases(config: Path, seed: int) -> list[Case]:
+    """Return all cases; the seed draws the order of stacks in the pre-emption."""
+    resolved = scenario_of(config)
+    one = _switches(resolved, 10.0, (1.0, "reach_base"))
+    late = changed(
+        one, mode="realtime", timeouts=replace(one.scenario.timeouts, source_stale=_HEARD)
+    )
+    mid = round((1.0 + 0.5 * resolved.scenario.transition.duration) * resolved.scenario.rate)
+
+    def delayed(ticks: int) -> Case:
+        row = Row(f"B {round(1e3 * ticks / resolved.scenario.rate)} ms late", 1.0, 10.0)
+        return Case("switch (A), B's chi comes late", late, (row,), lambda: Delayed(ticks))
+
+    return [
+        _sequence(resolved),
+        _moving(resolved),
+        _preempted(resolved, seed),
+        delayed(2),
+        delayed(10),
+        Case("B falls silent in mid-blend", one, (Row("B lost", 1.0, 10.0),), lambda: Lost(mid)),
+        Case(
+            "from mid-blend on B repeats its last chi as if it were new",
+            one,
+            (Row("B frozen", 1.0, 10.0),),
+            lambda: Frozen(mid),
+        ),
+        _stretched(resolved, "reach_base"),
+        _stretched(resolved, "posture"),
+    ]
+
+
+def _sequence(resolved: ResolvedScenario) -> Case:
+    """Return the paper's sequence, one row per switch."""
+    first, second, third = (event.at for event in resolved.scenario.events)
+    rows = (
+        Row("(A) track to base", first, second),
+        Row("(B) base to posture", second, third),
+        Row("(C) posture to track", third, resolved.scenario.duration, steps=True),
+    )
+    return Case("the paper's sequence", resolved, rows)
+
+
+def _moving(resolved: ResolvedScenario) -> Case:
+    """Return switches in mid-motion, while both tools' references run along a figure of eight."""
+    tools = _tools(resolved)
+
+    def stream(time: float) -> list[Target]:
+        turn = 2.0 * np.pi / 5.0 * _ramped(time, 1.0)
+        offset = np.array([0.12 * np.sin(turn), 0.0, 0.08 * np.sin(2.0 * turn)])
+        return _moved(tools, offset, time)
+
+    switches = _switches(resolved, 13.0, (3.0, "reach_base"), (8.0, "posture"))
+    about = "both tools move at up to 0.25 m/s"
+    return Case(about, switches, (Row("tools moving", 3.0, 13.0),), stream=stream)
+
+
+def _preempted(resolved: ResolvedScenario, seed: int) -> Case:
+    """Return a switch every 0.4 s for 4 s, each before the last one has ended, then base."""
+    rng = np.random.default_rng(seed)
+    names = ["reach_base"]
+    for _ in range(9):
+        names.append(str(rng.choice([n for n in sorted(resolved.stacks) if n != names[-1]])))
+    if names[-1] == "reach_base":
+        names[-1] = "track" if names[-2] != "track" else "posture"
+    times = [round(1.0 + 0.4 * i, 6) for i in range(len(names) + 1)]
+    switches = _switches(resolved, 14.0, *zip(times, [*names, "reach_base"], strict=True))
+    return Case("a new switch every 0.4 s", switches, (Row("pre-empted", 1.0, 14.0),))
+
+
+def _stretched(resolved: ResolvedScenario, stack: str) -> Case:
+    """Return a switch to a stack while both arms come down from full stretch upwards."""
+    robots = {
+        name: replace(robot, arm=replace(robot.arm, home=_STRETCHED))
+        for name, robot in resolved.robots.items()
+    }
+    start = _switches(replace(resolved, robots=robots), 10.0, (1.0, stack))
+    tools = _tools(start)
+
+    def stream(time: float) -> list[Target]:
+        down = 0.5 * quintic(min(max((time - 0.5) / 3.0, 0.0), 1.0))
+        return _moved(tools, np.array([0.0, 0.0, -down]), time)
+
+    about = f"both arms start stretched upwards, the tools come down by 0.5 m, switch to {stack}"
+    return Case(about, start, (Row(f"singular, {stack}", 1.0, 10.0),), stream=stream)
+
+
+def _switches(
+    resolved: ResolvedScenario, duration: float, *switches: tuple[float, str]
+) -> ResolvedScenario:
+    """Return the scenario with these switches (time [s], stack) and nothing else happening."""
+    events = tuple(EventConfig(at=time, switch=stack) for time, stack in switches)
+    return changed(resolved, events=events, duration=duration)
+
+
+def _tools(resolved: ResolvedScenario) -> tuple[Pose, ...]:
+    """Return where the tools start."""
+    team = Team.from_scenario(resolved)
+    return team.tools(team.home(resolved))
+
+
+def _moved(tools: tuple[Pose, ...], offset: Vector, time: float) -> list[Target]:
+    """Return the tools' references moved by ``offset`` [m], from ``time`` [s] on."""
+    return [
+        Target(time, robot, ee=Pose(tool.position + offset, tool.rotation))
+        for robot, tool in enumerate(tools)
+    ]
+
+
+def _ramped(time: float, ramp: float) -> float:
+    """Return the integral of a speed that rises smoothly from 0 to 1 within ``ramp`` [s]."""
+    s = min(time / ramp, 1.0)
+    return ramp * s * s * s * (1.0 - 0.5 * s) + max(time - ramp, 0.0)

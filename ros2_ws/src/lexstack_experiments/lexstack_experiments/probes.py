@@ -1,0 +1,127 @@
+"""Parts of robot A that count and time what they do, for experiments and benches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any, TypeVar
+
+from lexstack_core.build import Parts, build_references
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.controller import Controller
+from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, make_solver
+from lexstack_core.model import Team
+from lexstack_core.stack import Level, Stack
+from lexstack_core.stack_solver import StackSolver
+from lexstack_core.transition.machine import Transition
+
+T = TypeVar("T")
+
+
+@dataclass(slots=True)
+class Tally:
+    """What solvers have done so far.
+
+    Attributes:
+        problems: hierarchies solved.
+        levels: of all of them: one quadratic program each in a cascade.
+        seconds: of wall time in the solvers.
+    """
+
+    problems: int = 0
+    levels: int = 0
+    seconds: float = 0.0
+
+
+class CountingSolver:
+    """A solver that counts; several may share a tally."""
+
+    def __init__(self, inner: HqpSolver, tally: Tally) -> None:
+        """Count what ``inner`` solves."""
+        self.name = inner.name
+        self._inner = inner
+        self._tally = tally
+
+    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
+        """Solve as the solver inside does."""
+        solution = self._inner.solve(problem, warm)
+        self._tally.problems += 1
+        self._tally.levels += len(problem.levels)
+        self._tally.seconds += solution.solve_time
+        return solution
+
+
+def counting_controller(
+    resolved: ResolvedScenario, parts: Parts | None = None
+) -> tuple[Controller, Tally]:
+    """Return robot A as ``build_controller`` does, and the tally of all its solvers.
+
+    Args:
+        resolved: the scenario.
+        parts: what the controller is made of; default: the scenario's.
+    """
+    parts, tally = parts or Parts.of(resolved), Tally()
+
+    def solver() -> CountingSolver:
+        return CountingSolver(make_solver(resolved.scenario.solver), tally)
+
+    local = StackSolver(parts.team, parts.stacks, solver(), parts.dt)
+    references = build_references(resolved, parts.team)
+    transition = Transition(parts.stacks, local, resolved.scenario)
+    return Controller(parts.team, references, transition, solver(), parts.dt), tally
+
+
+class Stopwatch:
+    """Sums the wall time of the calls that go through it.
+
+    Attributes:
+        seconds: of all calls so far.
+    """
+
+    def __init__(self) -> None:
+        """Start at zero."""
+        self.seconds = 0.0
+
+    def timed(self, function: Callable[..., T]) -> Callable[..., T]:
+        """Return a function that does the same and is timed."""
+
+        def call(*arguments: Any) -> T:
+            begun = perf_counter()
+            try:
+                return function(*arguments)
+            finally:
+                self.seconds += perf_counter() - begun
+
+        return call
+
+
+class TimedTeam:
+    """A team whose kinematics are timed; all else is the team's own."""
+
+    def __init__(self, team: Team, watch: Stopwatch) -> None:
+        """Time ``team``."""
+        self._team = team
+        self.kinematics = watch.timed(team.kinematics)
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what the team has under this name."""
+        return getattr(self._team, name)
+
+
+class TimedLevel:
+    """A level of a stack whose tasks are timed."""
+
+    def __init__(self, level: Level, watch: Stopwatch) -> None:
+        """Time ``level``."""
+        self.tasks, self.scales = level.tasks, level.scales
+        self.linearise = watch.timed(level.linearise)
+
+
+def timed_parts(parts: Parts, kinematics: Stopwatch, tasks: Stopwatch) -> Parts:
+    """Return parts that do the same, with kinematics and tasks timed."""
+    stacks = {
+        name: Stack(name, tuple(TimedLevel(level, tasks) for level in stack.levels))
+        for name, stack in parts.stacks.items()
+    }
+    return Parts(TimedTeam(parts.team, kinematics), stacks, parts.dt)

@@ -1,0 +1,121 @@
+"""Robot B in an operating-system process of its own, asked through a pipe; without ROS."""
+
+from __future__ import annotations
+
+import gc
+import multiprocessing
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from time import perf_counter, process_time
+from types import TracebackType
+
+from lexstack_core.build import Parts, build_references, build_stack_solver
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.references import References
+from lexstack_core.state import RobotState
+from lexstack_core.transition.status import Announcement, SourceSample
+from lexstack_experiments.loop import targets_of
+
+_PATIENCE = 60.0  # s of wall time to wait for an answer, the start of the process included
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """What one answer of robot B cost it [s].
+
+    Attributes:
+        wall: time of the solve, kinematics included.
+        cpu: time of its process since the answer before, the pipe included.
+    """
+
+    wall: float
+    cpu: float
+
+
+class RemoteB:
+    """Robot B in its own process; a context manager that ends it.
+
+    Attributes:
+        efforts: of each answer, in their order.
+    """
+
+    def __init__(self, resolved: ResolvedScenario, *, behind: bool) -> None:
+        """Start the process.
+
+        Args:
+            resolved: the scenario.
+            behind: do not wait for the answer of the present tick, take that of the tick before:
+                A and B then work at the same time, as they do in realtime.
+        """
+        context = multiprocessing.get_context("spawn")
+        self._pipe, other = context.Pipe()
+        text = resolved.to_yaml()
+        self._process = context.Process(target=_serve, args=(other, text), daemon=True)
+        self._process.start()
+        other.close()
+        self._behind = behind
+        self._waiting = False
+        self.efforts: list[Effort] = []
+        self._receive()  # it is ready
+
+    def __enter__(self) -> RemoteB:
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """End the process."""
+        self._pipe.send(None)
+        self._process.join(timeout=5.0)
+        if self._process.is_alive():
+            self._process.kill()
+        self._pipe.close()
+
+    def ask(
+        self, wanted: Announcement, state: RobotState, _references: References
+    ) -> SourceSample | None:
+        """Return B's answer for this state, or if so configured that for the state before."""
+        before = self._answer() if self._waiting else None
+        self._pipe.send((wanted, state))
+        self._waiting = True
+        if self._behind:
+            return before
+        return self._answer()
+
+    def _answer(self) -> SourceSample:
+        """Return the answer that is awaited."""
+        sample, effort = self._receive()
+        self.efforts.append(effort)
+        self._waiting = False
+        return sample
+
+    def _receive(self) -> tuple[SourceSample, Effort]:
+        """Return the next message; raises TimeoutError where none comes."""
+        if not self._pipe.poll(_PATIENCE):
+            raise TimeoutError(f"robot B did not answer within {_PATIENCE:g} s")
+        return self._pipe.recv()
+
+
+def _serve(pipe: Connection, text: str) -> None:
+    """Answer until None comes; run in robot B's process."""
+    resolved = ResolvedScenario.from_yaml(text, "robot B")
+    parts = Parts.of(resolved)
+    solver, references = build_stack_solver(resolved, parts), build_references(resolved, parts.team)
+    for event in resolved.scenario.events:
+        for target in targets_of(event, parts.team):
+            references.add(target)
+    gc.disable()
+    pipe.send(None)
+    used = process_time()
+    while (message := pipe.recv()) is not None:
+        wanted, state = message
+        begun = perf_counter()
+        kinematics = parts.team.kinematics(state)
+        solution = solver.solve(wanted.stack, kinematics, references.at(state.stamp))
+        wall, cpu = perf_counter() - begun, process_time()
+        effort, used = Effort(wall, cpu - used), cpu
+        pipe.send((SourceSample(wanted.id, state.tick, solution.chi, solution.solved), effort))

@@ -1,0 +1,92 @@
+"""What robot A met in a closed loop, to be met again by another robot A, tick by tick."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.controller import Command, Controller
+from lexstack_core.linear import Vector
+from lexstack_core.model import Team
+from lexstack_core.state import RobotState
+from lexstack_core.transition.status import Source, SourceSample
+from lexstack_experiments.ideal import IdealPlant
+from lexstack_experiments.loop import Loop, targets_of
+
+
+@dataclass(frozen=True, slots=True)
+class Tape:
+    """A closed loop as robot A saw it: states, B's messages, and what A answered."""
+
+    resolved: ResolvedScenario
+    states: tuple[RobotState, ...]
+    samples: dict[int, SourceSample]  # by tick
+    commands: tuple[Command, ...]
+
+    @classmethod
+    def of(cls, resolved: ResolvedScenario) -> Tape:
+        """Record a scenario in the ideal plant."""
+        loop = Loop(resolved, IdealPlant(resolved, Team.from_scenario(resolved)))
+        samples: dict[int, SourceSample] = {}
+
+        def keep(sample: SourceSample) -> SourceSample:
+            samples[sample.tick] = sample
+            return sample
+
+        loop.link = keep
+        record = loop.run()
+        return cls(resolved, tuple(record.states), samples, tuple(record.commands))
+
+    @property
+    def blending(self) -> list[bool]:
+        """Whether A followed a source, tick by tick."""
+        return [c.transition.source is not Source.NONE for c in self.commands]
+
+    def play(
+        self,
+        controller: Controller,
+        watch: Callable[[int], None] = lambda _tick: None,
+    ) -> tuple[Vector, float]:
+        """Give all ticks to a new controller of the same scenario, with garbage collection off.
+
+        Args:
+            controller: that has not served a tick yet.
+            watch: called after every tick, outside of the time measured.
+
+        Returns:
+            The wall time of every tick [s], and the largest difference of its chi from the tape.
+        """
+        _schedule(self.resolved, controller)
+        times, differences = np.empty(len(self.states)), np.empty(len(self.states))
+        gc.collect()
+        gc.disable()
+        try:
+            for k, state in enumerate(self.states):
+                controller.transition.take_announcements()
+                sample = self.samples.get(state.tick)
+                if sample is not None:
+                    controller.transition.hear(sample)
+                begun = perf_counter()
+                command = controller.tick(state)
+                times[k] = perf_counter() - begun
+                differences[k] = np.abs(command.chi - self.commands[k].chi).max()
+                watch(k)
+        finally:
+            gc.enable()
+        return times, float(differences.max())
+
+
+def _schedule(resolved: ResolvedScenario, controller: Controller) -> None:
+    """Hand the scenario's events to a controller, as the loop does."""
+    team = Team.from_scenario(resolved)
+    for event in resolved.scenario.events:
+        for target in targets_of(event, team):
+            controller.references.add(target)
+        if event.switch:
+            tick = round(event.at * resolved.scenario.rate)
+            controller.transition.ask(event.switch, event.duration, "", tick)

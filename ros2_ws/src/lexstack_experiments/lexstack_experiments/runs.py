@@ -1,0 +1,56 @@
+"""Closed loops of one scenario in variants, and the figures that lexstack_bag takes from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from lexstack_bag.measures import Measures, measure
+from lexstack_bag.metrics import Metrics, compute_metrics
+from lexstack_bag.phases import Phase, find_phases
+from lexstack_bag.run import Run
+from lexstack_core.config.resolved import ResolvedScenario, load_scenario
+from lexstack_experiments.loop import Loop
+from lexstack_experiments.recording import recorded
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """A run with its time series and figures."""
+
+    run: Run
+    measures: Measures
+    phases: tuple[Phase, ...]
+    metrics: Metrics
+
+    @classmethod
+    def of(cls, loop: Loop) -> Measured:
+        """Measure what a loop has done so far, by the definitions of the report."""
+        run = recorded(loop)
+        measures, phases = measure(run), find_phases(run)
+        return cls(run, measures, phases, compute_metrics(run, measures, phases))
+
+
+def scenario_of(config: Path, name: str = "transition-sequence") -> ResolvedScenario:
+    """Return a scenario of the configuration folder; raises ConfigurationError."""
+    return load_scenario(config / "scenarios" / f"{name}.yaml", config)
+
+
+def changed(resolved: ResolvedScenario, **values: Any) -> ResolvedScenario:
+    """Return a scenario with some of its values replaced."""
+    return replace(resolved, scenario=replace(resolved.scenario, **values))
+
+
+def with_method(resolved: ResolvedScenario, method: str, **values: Any) -> ResolvedScenario:
+    """Return a scenario whose switches use a method, and other values of its transition."""
+    transition = replace(resolved.scenario.transition, method=method, **values)
+    return changed(resolved, transition=transition)
+
+
+def run_telling(loop: Loop, what: str, say: Callable[[str], None]) -> Loop:
+    """Run a loop to the end of its scenario and say so."""
+    loop.run()
+    say(f"{what}: {len(loop.record.states)} ticks")
+    return loop

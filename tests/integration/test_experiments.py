@@ -1,0 +1,86 @@
+"""Every experiment and bench in a shortened form: it ends, and its figures are numbers."""
+
+import json
+import math
+
+import pytest
+
+from lexstack_experiments.benches import BENCHES
+from lexstack_experiments.commands import bench, experiment
+from lexstack_experiments.experiments import EXPERIMENTS, transition_methods
+
+
+def numbers(value):
+    """Yield every number in a decoded JSON value."""
+    if isinstance(value, dict):
+        value = list(value.values())
+    if isinstance(value, list):
+        for entry in value:
+            yield from numbers(entry)
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield value
+
+
+def results_of(main, name, folder, *arguments):
+    """Run a command and return its results.json."""
+    assert main([name, "--out", str(folder), "--cases", "1", *arguments]) == 0
+    content = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    assert content["name"] == name
+    assert content["figures"]
+    assert content["tables"][0]["rows"]
+    found = list(numbers(content))
+    assert len(found) > 20
+    assert all(math.isfinite(number) for number in found)
+    return content
+
+
+def figures(content):
+    """Return the value of every figure by its name."""
+    return {figure["name"]: figure["value"] for figure in content["figures"]}
+
+
+@pytest.fixture
+def few_methods(monkeypatch):
+    """Compare few methods on one short case."""
+    monkeypatch.setattr(transition_methods, "METHODS", ("bridge", "t37", "instant_limited"))
+    every = transition_methods.cases
+    monkeypatch.setattr(transition_methods, "cases", lambda *arguments: every(*arguments)[3:4])
+
+
+def test_the_list_of_experiments_is_tested_here():
+    assert set(EXPERIMENTS) >= {"transition-sequence", "transition-methods", "computation"}
+    assert set(BENCHES) >= {"transition"}
+
+
+def test_transition_sequence(tmp_path):
+    content = results_of(experiment.main, "transition-sequence", tmp_path)
+    found = figures(content)
+    assert found["End-effector error after (A)"] <= 2.0
+    assert found["Peak acceleration of the command / limit"] <= 1.0
+    assert found["Final end-effector error"] is None, "the run ends after (A)"
+    assert {file.name for file in tmp_path.glob("*.png")} == {"fig5.png", "fig6.png"}
+    assert all(file.stat().st_size < 150_000 for file in tmp_path.glob("*.png"))
+
+
+def test_transition_methods(tmp_path, few_methods):
+    content = results_of(experiment.main, "transition-methods", tmp_path)
+    rows = {row["method"]: row for row in content["tables"][0]["rows"]}
+    assert list(rows) == ["no switch", "bridge", "t37", "instant_limited"]
+    assert rows["bridge"]["acc. ratio"] < rows["instant_limited"]["acc. ratio"] <= 1.0 + 1e-9
+    assert rows["bridge"]["excess"] < 1e-6
+    assert rows["bridge"]["QPs"] == 2.0
+    assert (tmp_path / "methods.png").stat().st_size < 150_000
+
+
+def test_computation(tmp_path):
+    content = results_of(experiment.main, "computation", tmp_path)
+    rows = [row["us p50"] for row in content["tables"][0]["rows"]]
+    assert all(10.0 < row < 1e6 for row in rows)
+    assert (tmp_path / "fig9.png").is_file()
+
+
+def test_bench_transition(tmp_path):
+    content = results_of(bench.main, "transition", tmp_path)
+    assert figures(content)["Replayed chi against recorded"] == 0.0
+    assert len(content["tables"]) == 2
+    assert {row["state"] for row in content["tables"][0]["rows"]} == {"idle", "blending"}

@@ -1,0 +1,108 @@
+"""The commands around experiments: names, arguments, exit codes, what is written where."""
+
+import json
+
+import pytest
+
+from lexstack_core.errors import ConfigurationError, ModelError
+from lexstack_experiments.benches import BENCHES
+from lexstack_experiments.commands.command import run_command
+from lexstack_experiments.experiment import Experiment
+from lexstack_experiments.experiments import EXPERIMENTS
+from lexstack_experiments.results import Figure, Goal, Results
+
+
+def fake(limit=1.0, error=None):
+    """Return an experiment whose one figure is 0.5, or which raises."""
+
+    def run(options):
+        if error is not None:
+            raise error
+        options.say("at work")
+        figure = Figure("error", 0.5, "mm", Goal("<=", limit))
+        return Results("fake", options.seed, options.cases, (figure,))
+
+    return {"fake": Experiment("does nothing", "rounds", 4, run)}
+
+
+def run(tmp_path, known, *arguments):
+    """Run the command with a folder for its results."""
+    return run_command("experiment", known, ["fake", "--out", str(tmp_path / "out"), *arguments])
+
+
+def test_a_run_writes_results_and_prints_the_table(tmp_path, capsys):
+    assert run(tmp_path, fake(), "--seed", "7", "--cases", "2") == 0
+    content = json.loads((tmp_path / "out/results.json").read_text(encoding="utf-8"))
+    assert (content["name"], content["seed"], content["cases"]) == ("fake", 7, 2)
+    printed = capsys.readouterr()
+    assert printed.out.splitlines()[-1] == "reached 1 of 1"
+    assert "at work" in printed.err, "progress stands beside the results"
+
+
+@pytest.mark.parametrize(
+    ("limit", "strict", "code"), [(1, 0, 0), (1, 1, 0), (0.1, 0, 0), (0.1, 1, 1)]
+)
+def test_only_strict_asks_for_the_goals(tmp_path, limit, strict, code):
+    assert run(tmp_path, fake(limit), *["--strict"][:strict]) == code
+    assert (tmp_path / "out/results.json").is_file(), "the results are there in any case"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [(["--cases", "0"], "[1, 4]"), (["--cases", "5"], "rounds"), (["--seed", "-1"], "--seed")],
+)
+def test_bad_values_exit_with_2_and_one_line(tmp_path, capsys, arguments, word):
+    assert run(tmp_path, fake(), *arguments) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: ")
+    assert word in error
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize("arguments", [["nothing"], [], ["fake", "--seed", "x"], ["fake", "--no"]])
+def test_bad_arguments_exit_with_2_and_list_the_names(capsys, arguments):
+    with pytest.raises(SystemExit) as stop:
+        run_command("experiment", fake(), arguments)
+    assert stop.value.code == 2
+    assert "./scripts/experiment" in capsys.readouterr().err
+
+
+def test_an_unknown_name_lists_the_known(capsys):
+    with pytest.raises(SystemExit):
+        run_command("bench", fake(), ["nothing"])
+    assert "fake" in capsys.readouterr().err
+
+
+def test_a_folder_with_something_in_it_is_left_alone(tmp_path, capsys):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out/mine.txt").write_text("keep me")
+    assert run(tmp_path, fake()) == 2
+    assert "is not empty" in capsys.readouterr().err
+    assert [file.name for file in (tmp_path / "out").iterdir()] == ["mine.txt"]
+
+
+@pytest.mark.parametrize(("error", "code"), [(ConfigurationError("a"), 2), (ModelError("b"), 1)])
+def test_what_goes_wrong_is_one_line(tmp_path, capsys, error, code):
+    assert run(tmp_path, fake(error=error)) == code
+    assert capsys.readouterr().err == f"error: {error}\n"
+
+
+def test_ctrl_c_is_130(tmp_path):
+    assert run(tmp_path, fake(error=KeyboardInterrupt())) == 130
+
+
+def test_the_default_folder_bears_name_and_time(tmp_path, monkeypatch):
+    monkeypatch.setenv("LEXSTACK_ROOT", str(tmp_path))
+    assert run_command("bench", fake(), ["fake"]) == 0
+    (folder,) = (tmp_path / "runs").iterdir()
+    assert folder.name.startswith("bench-fake-2")
+
+
+@pytest.mark.parametrize(("kind", "known"), [("experiment", EXPERIMENTS), ("bench", BENCHES)])
+def test_help_lists_every_name_with_one_line(capsys, kind, known):
+    with pytest.raises(SystemExit) as stop:
+        run_command(kind, known, ["--help"])
+    assert stop.value.code == 0
+    lines = capsys.readouterr().out.splitlines()
+    for name, entry in known.items():
+        assert any(name in line and entry.summary in line for line in lines)

@@ -1,0 +1,77 @@
+"""The paper's boxes by hand; and that they become empty where ours never is."""
+
+import numpy as np
+import pytest
+
+from lexstack_core.bounds import Bounds, JointLimits, viable_bounds
+from lexstack_core.limits import LimitBlend, Motion
+from lexstack_experiments.baselines.bounds import EmptyBoxes, t31, t34
+
+DT = 0.1
+
+
+def limits(lower=-1.0, upper=1.0):
+    return JointLimits(*(np.atleast_1d(x) for x in (lower, upper, 2.0, 1.0, np.inf)))
+
+
+@pytest.mark.parametrize(
+    ("q", "v", "expected"),
+    [
+        pytest.param(0.0, 0.5, (0.4, 0.6), id="acceleration decides"),
+        pytest.param(0.0, 1.95, (1.85, 2.0), id="velocity and acceleration"),
+        pytest.param(0.95, 0.45, (0.35, 0.5), id="position: (1 - 0.95) / 0.1"),
+        pytest.param(0.95, 0.7, (0.6, 0.5), id="too fast: empty"),
+        pytest.param(1.05, 0.0, (-0.1, -0.5), id="outside: empty"),
+    ],
+)
+def test_t31_by_hand(q, v, expected):
+    box = t31(np.array([q]), limits(), DT, np.array([v]))
+    assert (box.lower.item(), box.upper.item()) == pytest.approx(expected)
+    assert box.empty == (expected[0] > expected[1])
+
+
+def test_t34_lies_between():
+    before, new = (Bounds(np.array([x]), np.array([y])) for x, y in ((-1.0, 1.0), (0.0, 0.2)))
+    box = t34(before, new, 0.25)
+    assert (box.lower.item(), box.upper.item()) == pytest.approx((-0.75, 0.8))
+    assert t34(before, new, 1.0).upper.item() == 0.2
+
+
+def test_empty_boxes_are_counted_and_can_be_replaced():
+    counter = EmptyBoxes()
+    full = Bounds(np.zeros(3), np.ones(3))
+    empty = Bounds(np.array([0.0, 1.0, 2.0]), np.array([1.0, 0.5, 1.0]))
+    assert counter.count(full) is full
+    repaired = counter.repaired(empty)
+    assert (counter.boxes, counter.empty, counter.joints) == (2, 1, 2)
+    np.testing.assert_array_equal(repaired.lower, [0.0, 0.75, 1.5])
+    np.testing.assert_array_equal(repaired.upper, [1.0, 0.75, 1.5])
+
+
+def served(law, tick, q, v, before):
+    """Return the box of a joint whose upper limit jumped to 0 at tick 0, by one of the laws."""
+    old, new = (t31(q, limits(upper=upper), DT, v) for upper in (1.0, 0.0))
+    if law == "t31":
+        return new
+    return t34(old if law == "t34" else before, new, min(tick / 10, 1.0))
+
+
+def sudden(law, q, v):
+    """Return how often that box is empty while the joint goes where it can."""
+    counter, before = EmptyBoxes(), t31(q, limits(), DT, v)
+    blend = LimitBlend.begin(limits(), limits(upper=0.0), Motion(q, v, DT), 0)
+    for tick in range(60):
+        if law == "ours":
+            box = viable_bounds(q, blend.at(tick), DT, v)
+        else:
+            box = served(law, tick, q, v, before)
+        before = counter.repaired(box)
+        v = np.clip(before.upper, v - 0.1, v + 0.1)
+        q = q + DT * v
+    return counter
+
+
+@pytest.mark.parametrize("law", ["t31", "t34", "t34, of the tick before"])
+def test_a_limit_that_jumps_behind_the_joint_empties_the_printed_boxes(law):
+    assert sudden(law, np.array([0.5]), np.array([0.2])).empty > 0
+    assert sudden("ours", np.array([0.5]), np.array([0.2])).empty == 0
