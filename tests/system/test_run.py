@@ -54,7 +54,7 @@ def test_the_demo_reaches_what_it_promises(whole):
     assert metrics["ticks"] == 2600
     assert metrics["peak_acceleration_ratio"] <= 1.0001
     for key in ("empty_bounds", "solver_failures", "missing_ticks", "recorder_lost"):
-        assert metrics[key] == 0, key
+        assert metrics[key] == 0, (key, (out / "logs/recorder.log").read_text(encoding="utf-8"))
     reached, final = metrics["phases"][1], metrics["phases"][3]
     assert max(reached["ee_error_mm"].values()) <= 2.0
     assert max(reached["base_error_mm"].values()) <= 5.0

@@ -7,7 +7,7 @@ cannot tell: so each process looks at its own side before it says that it is rea
 from __future__ import annotations
 
 import time
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -53,9 +53,15 @@ class Readiness:
         hears_plant: set by the node once a state of the plant has come.
     """
 
-    def __init__(self, node: Node, *, hears_plant: bool) -> None:
-        """Wait for the plant, and for the nodes that the parameter ``peers`` names."""
+    def __init__(
+        self, node: Node, *, hears_plant: bool, on_ready: Callable[[], None] = lambda: None
+    ) -> None:
+        """Wait for the plant, and for the nodes that the parameter ``peers`` names.
+
+        ``on_ready`` is called right before the word is printed.
+        """
         self._node = node
+        self._on_ready = on_ready
         self.hears_plant = hears_plant
         names = text_parameter(node, "peers", "nodes to connect with first, comma-separated", "")
         self._peers = [name.strip() for name in names.split(",") if name.strip()]
@@ -70,4 +76,5 @@ class Readiness:
             self._since = now
         elif not self._peers or now - self._since >= _SETTLED:
             self._timer.cancel()
+            self._on_ready()
             print(READY, flush=True)

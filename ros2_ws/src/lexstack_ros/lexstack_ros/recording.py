@@ -135,6 +135,9 @@ class Tap:
         type_name: its type, pkg/msg/Type.
         qos: the profile with which it subscribed.
         incompatible: whether a publisher offers less than that profile asks for.
+        shared: whether several publishers were seen on the topic at the same time. Messages do
+            not say who sent them, so gaps between numbers then prove nothing: the middleware,
+            which knows the sender, is believed alone.
     """
 
     def __init__(
@@ -145,9 +148,11 @@ class Tap:
         self.type_name = type_name
         self.qos = qos
         self.incompatible = False
+        self.shared = False
         self._store = store
         self._counter = LossCounter()
         self._reported = 0  # losses that the middleware itself told of
+        self._before = (0, 0)  # both counts when the recording began
         self._class = message_class(type_name)
         self._subscription: Subscription = node.create_subscription(
             self._class,
@@ -162,8 +167,15 @@ class Tap:
 
     @property
     def lost(self) -> int:
-        """Messages that were sent since the first one and never came."""
-        return max(self._counter.lost, self._reported)
+        """Messages that were sent since the recording began and never came."""
+        counted, reported = self._before
+        if self.shared:
+            return self._reported - reported
+        return max(self._counter.lost - counted, self._reported - reported, 0)
+
+    def begin(self) -> None:
+        """Count from now on: what was sent while processes found each other is no loss."""
+        self._before = (self._counter.lost, self._reported)
 
     def drain(self) -> None:
         """Take what still waits in the middleware: nothing that arrived may be left out."""

@@ -55,7 +55,7 @@ class Recorder(Node):
         self.create_timer(_FLUSH_PERIOD, self._writer.flush, clock=wall)
         self._discover()
         self.get_logger().info(f"records {len(self._taps)} topics to {output}")
-        self._readiness = Readiness(self, hears_plant=True)
+        self._readiness = Readiness(self, hears_plant=True, on_ready=self._begin)
 
     def close(self) -> None:
         """Take what still waits in the middleware, complete the bag, and say what it holds."""
@@ -73,10 +73,17 @@ class Recorder(Node):
             f"{sum(lost.values())} lost{': ' if missing else ''}{missing}"
         )
 
+    def _begin(self) -> None:
+        """Count losses from now on: all peers are connected."""
+        for tap in self._taps.values():
+            tap.begin()
+
     def _discover(self) -> None:
         """Subscribe to topics that are new, and anew where the QoS did not fit."""
         for name, types in self.get_topic_names_and_types():
             tap = self._taps.get(name)
+            if tap is not None and not tap.shared:
+                tap.shared = self.count_publishers(name) > 1
             done = name in self._announced and tap is not None and not tap.incompatible
             if done or is_hidden(name) or name in self._refused:
                 continue

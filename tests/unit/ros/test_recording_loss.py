@@ -1,0 +1,60 @@
+"""What the recorder calls lost, and what it does not."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from lexstack_ros.recording import Tap, matching_qos
+
+
+class Node:
+    """Stands for a node: keeps what a subscription would call."""
+
+    def create_subscription(self, _type, _topic, callback, _qos, *, raw, event_callbacks):
+        assert raw
+        self.hear = lambda number: callback(b"", {"publication_sequence_number": number})
+        self.middleware_lost = lambda count: event_callbacks.message_lost(
+            SimpleNamespace(total_count=count)
+        )
+        return object()
+
+
+@pytest.fixture
+def node():
+    return Node()
+
+
+@pytest.fixture
+def tap(node):
+    return Tap(node, "/topic", "std_msgs/msg/String", matching_qos([]), lambda *_: None)
+
+
+def test_a_gap_is_a_loss(node, tap):
+    for number in (1, 2, 5):
+        node.hear(number)
+    assert tap.lost == 2
+
+
+def test_what_the_middleware_noticed_is_a_loss_too(node, tap):
+    node.hear(1)
+    node.middleware_lost(3)
+    assert tap.lost == 3
+
+
+def test_what_was_sent_before_the_beginning_is_not_lost(node, tap):
+    for number in (1, 5):
+        node.hear(number)
+    node.middleware_lost(4)
+    tap.begin()
+    assert tap.lost == 0
+    node.hear(8)
+    assert tap.lost == 2
+
+
+def test_a_second_publisher_that_started_earlier_makes_no_gap(node, tap):
+    for number in (1, 2, 9, 10):  # 9 and 10 are another's, whose first eight nobody awaited
+        node.hear(number)
+    tap.shared = True
+    assert tap.lost == 0
+    node.middleware_lost(1)
+    assert tap.lost == 1
