@@ -32,6 +32,7 @@ class Base:
     def __init__(self, team: Team, robot: int, parameters: BaseParameters) -> None:
         """Make the task of the robot at place ``robot`` of the team."""
         self.name = f"{team.names[robot]}/base"
+        self.robots = (robot,)
         self._robot = robot
         start = team.slices[robot].start
         self._part = slice(start, start + 3)

@@ -34,6 +34,7 @@ class EePose:
     def __init__(self, team: Team, robot: int, parameters: EePoseParameters) -> None:
         """Make the task of the robot at place ``robot`` of the team."""
         self.name = f"{team.names[robot]}/ee_pose"
+        self.robots = (robot,)
         self._robot = robot
         self._part = team.slices[robot]
         self._n = team.n

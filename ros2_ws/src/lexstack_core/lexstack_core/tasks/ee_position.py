@@ -33,6 +33,7 @@ class EePosition:
     def __init__(self, team: Team, robot: int, parameters: EePositionParameters) -> None:
         """Make the task of the robot at place ``robot`` of the team."""
         self.name = f"{team.names[robot]}/ee_position"
+        self.robots = (robot,)
         self._robot = robot
         self._part = team.slices[robot]
         self._n = team.n

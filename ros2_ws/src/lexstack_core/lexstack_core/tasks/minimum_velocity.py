@@ -34,6 +34,7 @@ class MinimumVelocity:
         part = team.slices[robot]
         n = part.stop - part.start
         self.name = f"{team.names[robot]}/minimum_velocity"
+        self.robots = (robot,)
         self._matrix = np.eye(n, team.n, part.start)
         self._matrix[:3] *= parameters.base_cost
         self._matrix[3:] *= parameters.arm_cost

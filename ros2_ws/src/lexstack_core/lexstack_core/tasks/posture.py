@@ -41,6 +41,7 @@ class Posture:
         if parameters.target is not None:
             same_length(where, len(middle), target=parameters.target)
         self.name = f"{team.names[robot]}/posture"
+        self.robots = (robot,)
         self._target = middle if parameters.target is None else np.array(parameters.target)
         start = team.slices[robot].stop - len(middle)
         self._part = slice(start, team.slices[robot].stop)

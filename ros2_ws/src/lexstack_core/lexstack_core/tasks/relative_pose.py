@@ -64,6 +64,7 @@ class RelativePose:
                 "the task needs a robot and another one"
             )
         self.name = f"{team.names[robot]}/relative_pose"
+        self.robots = (robot, other)
         self._robots = robot, other
         self._parts = team.slices[robot], team.slices[other]
         self._n = team.n

@@ -11,11 +11,16 @@ from lexstack_core.references import References
 
 
 class Task(Protocol):
-    """One objective on chi, for one robot of a team."""
+    """One objective on chi, for one robot of a team or for several at once."""
 
     @property
     def name(self) -> str:
         """Name, unique within a stack, e.g. ``robot_a/ee_pose``."""
+        ...
+
+    @property
+    def robots(self) -> tuple[int, ...]:
+        """Places in the team of the robots whose joints it moves: more than one are coupled."""
         ...
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
