@@ -7,6 +7,7 @@ from enum import IntEnum
 
 from lexstack_core.errors import LexstackError
 from lexstack_core.linear import Vector
+from lexstack_sim import senses
 from lexstack_sim.wrench import Wrench
 
 
@@ -41,6 +42,7 @@ class Memory:
     q_star: Vector
     command: Vector
     effort: Vector
+    senses: senses.Memory
     tick: int = 0
     silence: int = 0  # ticks since the last command
     status: Status = Status.FOLLOWING

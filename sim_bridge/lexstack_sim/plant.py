@@ -7,14 +7,17 @@ import copy
 import mujoco
 import numpy as np
 
+from lexstack_core.config.plant import PushConfig
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.errors import ConfigurationError, InputError
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
 from lexstack_core.state import RobotState
+from lexstack_sim.burden import add_burden
 from lexstack_sim.contacts import between_robots
 from lexstack_sim.impedance import ImpedanceLoop, per_joint
 from lexstack_sim.memory import Counters, Memory, PlantError, Snapshot, Status
+from lexstack_sim.senses import Senses
 from lexstack_sim.world import PHYSICS_PERIOD, build_world
 from lexstack_sim.wrench import Wrench, apply_wrenches, wrench_on
 
@@ -42,7 +45,9 @@ class Plant:
         """Build the world of a scenario and put the robots where they start.
 
         Raises:
-            ConfigurationError: the control period is not a multiple of the physics step.
+            ConfigurationError: the control period is not a multiple of the physics step, or a
+                push is on an unknown robot.
+            InputError: a push is on an unknown link.
         """
         scenario = resolved.scenario
         self.team = team
@@ -59,6 +64,11 @@ class Plant:
         self._step_limit = team.limits.acceleration * self.period
         self.world = build_world(team)
         self._data = mujoco.MjData(self.world)
+        add_burden(self.world, self._data, team, scenario.plant)
+        self._senses = Senses(scenario.plant, team, PHYSICS_PERIOD)
+        self._pushes = [
+            (round(push.at / self.period), self._wrench(push)) for push in scenario.plant.pushes
+        ]
         self._loop = ImpedanceLoop(team, PHYSICS_PERIOD, self._data.ctrl)
         self.reset(seed)
 
@@ -69,7 +79,12 @@ class Plant:
         mujoco.mj_resetData(self.world, self._data)
         self._data.qpos[:] = self._home
         self._loop.reset(self._home)
-        self._memory = Memory(self._home.copy(), np.zeros(n), self._data.ctrl.copy())
+        self._memory = Memory(
+            self._home.copy(),
+            np.zeros(n),
+            self._data.ctrl.copy(),
+            self._senses.begin(self._home, seed),
+        )
         self._wrenches: list[Wrench] = []
         self.counters = Counters()
         return self.state()
@@ -95,13 +110,13 @@ class Plant:
         return self._memory.contact_force
 
     def state(self) -> RobotState:
-        """Return the present state."""
-        memory, data = self._memory, self._data
+        """Return the present state, as far as it is measured."""
+        memory = self._memory
         return RobotState(
             tick=memory.tick,
             stamp=memory.tick * self.period,
-            q=_frozen(data.qpos),
-            v=_frozen(data.qvel),
+            q=_frozen(memory.senses.q),
+            v=_frozen(memory.senses.v),
             q_star=_frozen(memory.q_star),
             command=_frozen(memory.command),
         )
@@ -195,12 +210,18 @@ class Plant:
         memory, data = self._memory, self._data
         q, v, command = data.qpos, data.qvel, memory.command
         increment = PHYSICS_PERIOD * command
+        self._begin_pushes()
         for _ in range(self._steps):
             self._loop.update(q, v, memory.q_star, command)
+            if self._senses.slips:
+                data.ctrl *= memory.senses.grip
             if self._wrenches:
                 self._push()
             mujoco.mj_step(self.world, data)
             memory.q_star += increment
+            if not self._senses.perfect:
+                self._senses.see(memory.senses, q, v)
+        self._senses.measure(memory.senses, q, v)
         if any(data.warning[kind].number for kind in _DIVERGED):
             raise PlantError(f"the simulation became unstable at {data.time:.3f} s")
         self._bound_q_star()
@@ -216,6 +237,16 @@ class Plant:
         if not np.array_equal(bounded, q_star):
             self.counters.clamped += 1
             q_star[:] = bounded
+
+    def _begin_pushes(self) -> None:
+        """Begin the scenario's pushes that are due at this tick."""
+        self._wrenches += [push for tick, push in self._pushes if tick == self._memory.tick]
+
+    def _wrench(self, push: PushConfig) -> Wrench:
+        """Return a push of the scenario."""
+        robot = self.team.robots[self.team.index(push.robot)]
+        end = push.at + push.duration - 0.5 * PHYSICS_PERIOD
+        return wrench_on(self.world, robot, push.link, np.array(push.force), np.zeros(3), end)
 
     def _push(self) -> None:
         """Apply the wrenches that have not ended."""

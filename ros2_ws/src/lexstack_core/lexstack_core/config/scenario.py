@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from lexstack_core.config.checks import finite, not_negative, positive
+from lexstack_core.config.plant import PlantConfig
 from lexstack_core.config.robot import Vector3
 from lexstack_core.errors import ConfigurationError
 
@@ -33,16 +34,21 @@ class PlacementConfig:
 
 @dataclass(frozen=True, slots=True)
 class ObstacleConfig:
-    """A sphere in the robots' way: everybody knows where it is at any time."""
+    """A sphere in the robots' way: everybody knows where it is at any time.
+
+    Its centre is at position + velocity t + swing (1 - cos(2 pi t / period)) / 2.
+    """
 
     position: Vector3  # m, of its centre at the scenario's start, world frame
     radius: float  # m
     velocity: Vector3 = (0.0, 0.0, 0.0)  # m/s, constant
+    swing: Vector3 = (0.0, 0.0, 0.0)  # m, how far it goes beside that, and comes back
+    period: float = 10.0  # s, of the swing: there and back, at rest at both ends
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a value out of range."""
-        finite(where, position=self.position, velocity=self.velocity)
-        positive(where, radius=self.radius)
+        finite(where, position=self.position, velocity=self.velocity, swing=self.swing)
+        positive(where, radius=self.radius, period=self.period)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +133,7 @@ class ScenarioConfig:
     ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # default: where it starts
     base_target: dict[str, Vector3] = field(default_factory=dict)  # default: where it starts
     obstacles: dict[str, ObstacleConfig] = field(default_factory=dict)  # by name
+    plant: PlantConfig = field(default_factory=PlantConfig)  # default: as its model says
     timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)
     solver: str = "daqp"  # a key of lexstack_core.hqp.SOLVERS
     mode: Mode = "lockstep"
@@ -148,7 +155,8 @@ class ScenarioConfig:
             ]
             if event.at >= self.duration:
                 raise ConfigurationError(f"{where}: events[{i}].at: after the scenario's end")
-        for key, by_robot in targets:
+        pushed = [(f"plant.pushes[{i}]", [push.robot]) for i, push in enumerate(self.plant.pushes)]
+        for key, by_robot in [*targets, *pushed]:
             for robot in by_robot:
                 if robot not in self.robots:
                     known = ", ".join(self.robots)

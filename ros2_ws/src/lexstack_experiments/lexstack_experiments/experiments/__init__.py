@@ -1,12 +1,18 @@
 """The experiments: one file each, registered here by the name that the command uses."""
 
 from lexstack_experiments.experiment import Experiment
-from lexstack_experiments.experiments import computation, transition_methods, transition_sequence
+from lexstack_experiments.experiments import (
+    computation,
+    realism,
+    transition_methods,
+    transition_sequence,
+)
 
 EXPERIMENTS: dict[str, Experiment] = {
     "transition-sequence": transition_sequence.EXPERIMENT,
     "computation": computation.EXPERIMENT,
     "transition-methods": transition_methods.EXPERIMENT,
+    "realism": realism.EXPERIMENT,
 }
 
 __all__ = ["EXPERIMENTS"]

@@ -1,0 +1,101 @@
+"""The task sequence on plants that are not as their model says: one flaw at a time, then all.
+
+MuJoCo with the impedance loop. The flaws are those of scenario ``realism``; measured poses, which
+are themselves late, coarse and noisy where the scenario says so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from lexstack_core.config.plant import PlantConfig
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.loop import Loop
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+from lexstack_experiments.runs import Measured, changed, run_telling, scenario_of
+
+NAME = "realism"
+_ROUNDING = 1e-6  # of a ratio that meets its limit exactly
+_PLANTS = (
+    "none", "encoder_step", "velocity_noise", "latency", "payload", "friction", "base_slip",
+    "pushes", "all",
+)  # fmt: skip
+_COLUMNS = (
+    "flaw", "EE after (A) mm", "base after (A) mm", "final EE mm", "peak EE mm", "settled",
+    "acc. ratio", "empty boxes",
+)  # fmt: skip
+
+
+def run(options: Options) -> Results:
+    """Run the sequence on every plant and state how well it does."""
+    whole = scenario_of(options.config, NAME)
+    order = [_PLANTS[-1], *_PLANTS[:-1]]  # the one that counts first, if not all are to run
+    measured = {
+        flaw: Measured.of(run_telling(Loop(_with(whole, flaw, options)), flaw, options.say))
+        for flaw in order[: options.cases]
+    }
+    worst = max(m.metrics.peak_acceleration_ratio or 0.0 for m in measured.values())
+    empty = sum(m.metrics.empty_bounds for m in measured.values())
+    missed = sum(
+        phase.transition_s is None for m in measured.values() for phase in m.metrics.phases[1:]
+    )
+    rows = {flaw: _row(flaw, measured[flaw]) for flaw in _PLANTS if flaw in measured}
+    everything = rows["all"]
+    return Results(
+        NAME,
+        options.seed,
+        options.cases,
+        (
+            Figure("Peak acceleration of the command / limit", worst, "", Goal("<=", 1, _ROUNDING)),
+            Figure("Ticks with an empty box of bounds", empty, "", Goal("==", 0)),
+            Figure("Switches not adopted", missed, "", Goal("==", 0)),
+            *(
+                Figure(f"All flaws: {name.removesuffix(' mm')}", _float(cell), "mm")
+                for name, cell in zip(_COLUMNS[1:5], everything[1:5], strict=True)
+            ),
+        ),
+        (Table(_COLUMNS, tuple(rows.values())),),
+        {"plant": "MuJoCo, joint impedance loop at 1 kHz", "rate_hz": whole.scenario.rate},
+        ("settled: switches after which all errors stay in their band, of 3.",),
+    )
+
+
+def _with(whole: ResolvedScenario, flaw: str, options: Options) -> ResolvedScenario:
+    """Return the scenario with one flaw of its plant, with all or with none."""
+    plant = whole.scenario.plant
+    if flaw != "all":
+        one = {} if flaw == "none" else {flaw: getattr(plant, flaw)}
+        plant = replace(PlantConfig(), **one)
+    return changed(whole, plant=plant, seed=options.seed)
+
+
+def _row(flaw: str, measured: Measured) -> tuple[Cell, ...]:
+    """Return the figures of one plant."""
+    metrics = measured.metrics
+    first, last = metrics.phases[1], metrics.phases[-1]
+    settled = sum(phase.settled_s is not None for phase in metrics.phases[1:])
+    return (
+        flaw,
+        max(v for v in first.ee_error_mm.values() if v is not None),
+        max(v for v in (first.base_error_mm or {}).values() if v is not None),
+        max(v for v in last.ee_error_mm.values() if v is not None),
+        max(v for v in first.ee_peak_error_mm.values() if v is not None),
+        settled,
+        metrics.peak_acceleration_ratio,
+        metrics.empty_bounds,
+    )
+
+
+def _float(cell: Cell) -> float | None:
+    """Return a cell that holds a number."""
+    return float(cell) if isinstance(cell, int | float) else None
+
+
+EXPERIMENT = Experiment(
+    "the task sequence with noise, latency, payload, friction, slip and a push",
+    "plants",
+    len(_PLANTS),
+    run,
+)
+"""Registered under its name."""
