@@ -9,7 +9,11 @@ Takes the place of T(34). New limits hold at once, but where a joint cannot keep
 Outside, in the least time: the limit is drawn inside, by the way in which the joint stops from its
 velocity limit. That leaves one choice to ``viable_bounds``, full acceleration inward up to the
 velocity limit, until the joint has crossed the new limit; ``lateness`` knows when. In a given
-time: the limit moves along the quintic, from where the joint can come to rest.
+time: the limit moves along the quintic, from where the joint can come to rest. Where that is more
+than the box can follow, the joint goes on to the new limit as fast as it can.
+
+A joint that brakes with the old acceleration does so at once, and until it stands, whatever the
+time given: only then can it do with the new one.
 
 A velocity above its new limit needs no more: the box leads below it with the acceleration limit.
 """
@@ -44,6 +48,12 @@ class LimitBlend:
     releases: tuple[int, ...]
     _stages: tuple[JointLimits, ...]  # the limits before each release
     _gaps: Vector | None  # from the new to the first position limits, outward, shape (2n,)
+    _moving: int = 0  # for how many ticks the gaps close
+
+    @classmethod
+    def settled(cls, limits: JointLimits) -> LimitBlend:
+        """Return limits that hold as they are."""
+        return cls(limits, 0, (), (), None)
 
     @classmethod
     def begin(
@@ -59,14 +69,13 @@ class LimitBlend:
             duration: how long position limits move [s]; 0: the least time.
         """
         late = Lateness.of(old, new, motion)
-        if not late.ticks.any():
-            return cls(new, tick, (), (), None)
-        if duration > 0.0:
-            release = tick + max(int(np.ceil(duration / motion.dt - 1e-9)), 1)
-            return cls(new, tick, (release,), (_eased(old, new, late.fast),), late.gaps)
-        ends = np.unique(late.ticks[late.ticks > 0]).tolist()
-        stages = tuple(_drawn(late, old, new, end) for end in ends)
-        return cls(new, tick, tuple(tick + end for end in ends), stages, None)
+        given = int(np.ceil(duration / motion.dt - 1e-9))
+        moved = (late.ticks > 0) & ~late.fast if given > 0 else np.zeros(2 * new.n, dtype=np.bool_)
+        ticks = np.where(moved, given, late.ticks)
+        ends = np.unique(ticks[ticks > 0]).tolist()
+        stages = tuple(_drawn(late, (ticks >= end) & ~moved, old, new) for end in ends)
+        gaps = np.where(moved, late.gaps, 0.0) if moved.any() else None
+        return cls(new, tick, tuple(tick + end for end in ends), stages, gaps, given)
 
     @property
     def end(self) -> int:
@@ -78,10 +87,10 @@ class LimitBlend:
         stage = bisect_right(self.releases, tick)
         if stage == len(self.releases):
             return self.new
-        limits = self._stages[stage]
-        if self._gaps is None:
+        limits, passed = self._stages[stage], max(tick + 1 - self.start, 0)
+        if self._gaps is None or passed >= self._moving:
             return limits
-        s = max(tick + 1 - self.start, 0) / (self.end - self.start)
+        s = passed / self._moving
         gaps = (1.0 - s * s * s * (10.0 + s * (6.0 * s - 15.0))) * self._gaps
         return replace(
             limits,
@@ -90,10 +99,11 @@ class LimitBlend:
         )
 
 
-def _drawn(late: Lateness, old: JointLimits, new: JointLimits, end: int) -> JointLimits:
-    """Return the limits while the joints that are late for ``end`` ticks or more are held."""
-    n, held = new.n, late.ticks >= end
-    braked = held & late.fast
+def _drawn(
+    late: Lateness, held: NDArray[np.bool_], old: JointLimits, new: JointLimits
+) -> JointLimits:
+    """Return the limits while the joints that are ``held``, shape (2n,), are drawn inside."""
+    n, braked = new.n, held & late.fast
     lower = np.where(held[:n], -late.drawn_to[:n], new.position_lower)
     upper = np.where(held[n:], late.drawn_to[n:], new.position_upper)
     # A joint that only brakes does not come to the other limit: that may give way.
