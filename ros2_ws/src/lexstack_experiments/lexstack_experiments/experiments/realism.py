@@ -14,6 +14,7 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
 from lexstack_experiments.runs import Measured, changed, run_telling, scenario_of
+from lexstack_sim.plant import Plant
 
 NAME = "realism"
 _ROUNDING = 1e-6  # of a ratio that meets its limit exactly
@@ -23,7 +24,7 @@ _PLANTS = (
 )  # fmt: skip
 _COLUMNS = (
     "flaw", "EE after (A) mm", "base after (A) mm", "final EE mm", "peak EE mm", "settled",
-    "acc. ratio", "empty boxes",
+    "acc. ratio", "empty boxes", "robots touch, ticks",
 )  # fmt: skip
 
 
@@ -31,16 +32,21 @@ def run(options: Options) -> Results:
     """Run the sequence on every plant and state how well it does."""
     whole = scenario_of(options.config, NAME)
     order = [_PLANTS[-1], *_PLANTS[:-1]]  # the one that counts first, if not all are to run
-    measured = {
-        flaw: Measured.of(run_telling(Loop(_with(whole, flaw, options)), flaw, options.say))
+    loops = {
+        flaw: run_telling(Loop(_with(whole, flaw, options)), flaw, options.say)
         for flaw in order[: options.cases]
     }
+    measured = {flaw: Measured.of(loop) for flaw, loop in loops.items()}
     worst = max(m.metrics.peak_acceleration_ratio or 0.0 for m in measured.values())
     empty = sum(m.metrics.empty_bounds for m in measured.values())
     missed = sum(
         phase.transition_s is None for m in measured.values() for phase in m.metrics.phases[1:]
     )
-    rows = {flaw: _row(flaw, measured[flaw]) for flaw in _PLANTS if flaw in measured}
+    rows = {
+        flaw: (*_row(flaw, measured[flaw]), _touching(loops[flaw]))
+        for flaw in _PLANTS
+        if flaw in measured
+    }
     everything = rows["all"]
     return Results(
         NAME,
@@ -85,6 +91,11 @@ def _row(flaw: str, measured: Measured) -> tuple[Cell, ...]:
         metrics.peak_acceleration_ratio,
         metrics.empty_bounds,
     )
+
+
+def _touching(loop: Loop) -> int | None:
+    """Return the ticks in which the robots touched each other."""
+    return loop.plant.counters.contact if isinstance(loop.plant, Plant) else None
 
 
 def _float(cell: Cell) -> float | None:
