@@ -155,6 +155,6 @@ def test_a_full_disk_is_said_in_one_line(tmp_path, monkeypatch):
     def refuse(*_arguments):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(writer._writer, "add_message", refuse)
+    monkeypatch.setattr(writer._file, "add_message", refuse)
     with pytest.raises(BagError, match=r"bag_0.mcap: cannot be written: No space left on device"):
         writer.write("/text", b"", 2, 1)

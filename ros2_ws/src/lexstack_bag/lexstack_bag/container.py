@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
-from dataclasses import dataclass
+import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 
+from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile, McapError
-from mcap.records import Channel, McapRecord, Message, Metadata, Schema
-from mcap.stream_reader import StreamReader
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
+from mcap.stream_reader import StreamReader, get_chunk_data_stream
 from zstandard import ZstdError
 
 from lexstack_bag.errors import BagError
+
+_RECORD = struct.Struct("<BQ")  # opcode, length of what follows
+_MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
+
+Progress = Callable[[float], None]
+"""Told how much is done, from 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,42 +68,109 @@ class Container:
         self.metadata: dict[str, dict[str, str]] = {}
         self.complete = True
 
-    def messages(self) -> Iterator[RawMessage]:
+    def messages(self, progress: Progress = lambda _part: None) -> Iterator[RawMessage]:
         """Yield every message; raises BagError for what is not a bag or is damaged."""
-        for path in self.files:
-            schemas: dict[int, Schema] = {}
-            channels: dict[int, Channel] = {}
-            for record in self._records(path):
-                if isinstance(record, Message):
-                    channel = channels[record.channel_id]
-                    yield RawMessage(
-                        channel.topic,
-                        schemas[channel.schema_id],
-                        record.data,
-                        record.log_time,
-                        record.publish_time,
-                        record.sequence,
-                    )
-                elif isinstance(record, Schema):
-                    schemas[record.id] = record
-                elif isinstance(record, Channel):
-                    channels[record.id] = record
-                elif isinstance(record, Metadata):
-                    self.metadata[record.name] = record.metadata
+        try:
+            sizes = [path.stat().st_size for path in self.files]
+        except OSError as error:
+            raise BagError(f"{error.filename}: cannot be read: {error.strerror}") from error
+        before, whole = 0, max(sum(sizes), 1)
+        for path, size in zip(self.files, sizes, strict=True):
+            names = _Names()
+            for record, offset in self._records(path):
+                if isinstance(record, Chunk):
+                    yield from _contents(record, names, path)
+                elif isinstance(record, Message):
+                    yield names.message(record)
+                else:
+                    self._keep(record, names)
+                progress((before + offset) / whole)
+            before += size
+        progress(1.0)
 
-    def _records(self, path: Path) -> Iterator[McapRecord]:
-        """Yield one file's records; a file that was cut off just ends."""
+    def _keep(self, record: McapRecord, names: _Names) -> None:
+        """Take note of what messages need, and of what the bag says about itself."""
+        if isinstance(record, Schema):
+            names.schemas[record.id] = record
+        elif isinstance(record, Channel):
+            names.channels[record.id] = record
+        elif isinstance(record, Metadata):
+            self.metadata[record.name] = record.metadata
+
+    def _records(self, path: Path) -> Iterator[tuple[McapRecord, int]]:
+        """Yield one file's records, chunks whole, and where each ends; a cut-off file just ends."""
         seen = 0
         try:
             with path.open("rb") as stream:
-                for record in StreamReader(stream, validate_crcs=True).records:
+                for record in StreamReader(stream, emit_chunks=True).records:
                     seen += 1
-                    yield record
+                    yield record, stream.tell()
         except OSError as error:
             raise BagError(f"{path}: cannot be read: {error.strerror}") from error
         except (EndOfFile, struct.error) as error:
             if not seen:
                 raise BagError(f"{path}: not an MCAP file, or empty") from error
             self.complete = False
-        except (McapError, ValueError, KeyError, ZstdError) as error:
+        except (McapError, ValueError, KeyError) as error:
             raise BagError(f"{path}: not a readable MCAP file: {error}") from error
+
+
+@dataclass(slots=True)
+class _Names:
+    """The definitions of one file so far, by the ids that its messages bear."""
+
+    schemas: dict[int, Schema] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+
+    def of(self, channel: int) -> tuple[str, Schema]:
+        """Return a channel's topic and schema."""
+        found = self.channels[channel]
+        return found.topic, self.schemas[found.schema_id]
+
+    def message(self, record: Message) -> RawMessage:
+        """Return a message that stands outside of chunks."""
+        topic, schema = self.of(record.channel_id)
+        times = record.log_time, record.publish_time
+        return RawMessage(topic, schema, record.data, *times, record.sequence)
+
+
+def _contents(chunk: Chunk, names: _Names, path: Path) -> Iterator[RawMessage]:
+    """Yield a chunk's messages; raises BagError where it is damaged.
+
+    Several times faster than the package's reader, which makes a stream of every chunk.
+    """
+    try:
+        data = _unpacked(chunk)
+        place, end, known = 0, len(data), {}
+        while place < end:
+            opcode, length = _RECORD.unpack_from(data, place)
+            place += _RECORD.size
+            if opcode == Opcode.MESSAGE:
+                channel, sequence, received, sent = _MESSAGE.unpack_from(data, place)
+                if channel not in known:
+                    known[channel] = names.of(channel)
+                content = data[place + _MESSAGE.size : place + length]
+                yield RawMessage(*known[channel], content, received, sent, sequence)
+            elif opcode == Opcode.SCHEMA:
+                schema = Schema.read(_stream(data[place : place + length]))
+                names.schemas[schema.id] = schema
+            elif opcode == Opcode.CHANNEL:
+                entry = Channel.read(_stream(data[place : place + length]))
+                names.channels[entry.id] = entry
+            place += length
+    except (McapError, ValueError, KeyError, struct.error, ZstdError, EndOfFile) as error:
+        raise BagError(f"{path}: not a readable MCAP file: {error}") from error
+
+
+def _unpacked(chunk: Chunk) -> bytes:
+    """Return a chunk's content, its checksum verified if it has one."""
+    stream, length = get_chunk_data_stream(chunk)
+    data = stream.read(length)
+    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
+        raise ValueError("the checksum of a chunk is wrong")
+    return data
+
+
+def _stream(data: bytes) -> ReadDataStream:
+    """Return bytes as the package's records read them."""
+    return ReadDataStream(BytesIO(data))

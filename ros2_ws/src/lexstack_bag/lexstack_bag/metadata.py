@@ -65,37 +65,50 @@ class Extent:
 
 
 def bag_information(
-    file_name: str,
+    files: Mapping[str, Extent],
     topics: Sequence[Topic],
     extent: Extent,
     custom_data: Mapping[str, str],
     distro: str,
 ) -> dict[str, Any]:
-    """Return what stands below ``rosbag2_bagfile_information`` in ``metadata.yaml``."""
-    duration = {"nanoseconds": extent.end - extent.start}
-    starting_time = {"nanoseconds_since_epoch": extent.start}
-    total = extent.total
+    """Return what stands below ``rosbag2_bagfile_information`` in ``metadata.yaml``.
+
+    Args:
+        files: what each file holds, by its name, in recording order.
+        topics: of the whole bag.
+        extent: of the whole bag.
+        custom_data: of our own.
+        distro: name of the ROS distribution.
+    """
     return {
         "version": VERSION,
         "storage_identifier": "mcap",
-        "duration": duration,
-        "starting_time": starting_time,
-        "message_count": total,
+        **_span(extent),
+        "message_count": extent.total,
         "topics_with_message_count": [_topic(t, extent.counts.get(t.name, 0)) for t in topics],
         "compression_format": "",
         "compression_mode": "",
-        "relative_file_paths": [file_name],
+        "relative_file_paths": list(files),
         "files": [
-            {
-                "path": file_name,
-                "starting_time": dict(starting_time),
-                "duration": dict(duration),
-                "message_count": total,
-            }
+            {"path": name, **_file_span(part), "message_count": part.total}
+            for name, part in files.items()
         ],
         "custom_data": dict(custom_data),
         "ros_distro": distro,
     }
+
+
+def _span(extent: Extent) -> dict[str, dict[str, int]]:
+    """Return duration and start of a bag, in the order of ``metadata.yaml``."""
+    return {
+        "duration": {"nanoseconds": extent.end - extent.start},
+        "starting_time": {"nanoseconds_since_epoch": extent.start},
+    }
+
+
+def _file_span(extent: Extent) -> dict[str, dict[str, int]]:
+    """Return start and duration of one file: the keys' order differs from that of a bag."""
+    return dict(reversed(_span(extent).items()))
 
 
 def _topic(topic: Topic, count: int) -> dict[str, Any]:

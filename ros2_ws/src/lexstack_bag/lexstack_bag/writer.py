@@ -8,53 +8,51 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 
-from mcap.writer import CompressionType, Writer
-
 from lexstack_bag.definitions import message_definition
 from lexstack_bag.errors import BagError
+from lexstack_bag.mcap_file import McapFile
 from lexstack_bag.metadata import Extent, Topic, bag_information, to_yaml
+from lexstack_bag.presets import PRESETS, Storage
 
 SCENARIO_RECORD = "lexstack"  # name of the Metadata record with the scenario and the versions
 CLOSING_RECORD = "lexstack_recorder"  # name of the one with the losses; only a closed bag has it
 
-# Small chunks: what a killed recorder takes with it is at most this much.
-_CHUNK_BYTES = 256 * 1024
+_PLAIN = Storage()
 
 
 class BagWriter:
-    """One rosbag2 folder that is being written: ``FOLDER/FOLDER_0.mcap`` and ``metadata.yaml``.
+    """One rosbag2 folder that is being written: ``FOLDER_0.mcap`` and on, ``metadata.yaml``.
 
-    The scenario and all definitions stand before the messages and full chunks go to the disk as
-    they fill, so that a bag without its end can still be read. ``close`` adds index, summary and
-    ``metadata.yaml``; it may be called twice.
+    Every file has the scenario and all definitions before its messages, and full chunks go to the
+    disk as they fill: each file says by itself what it is, and one without its end can still be
+    read. ``close`` adds index, summary and ``metadata.yaml``; it may be called twice.
     """
 
-    def __init__(self, folder: Path, facts: Mapping[str, str]) -> None:
+    def __init__(self, folder: Path, facts: Mapping[str, str], storage: Storage = _PLAIN) -> None:
         """Create the bag.
 
         Args:
             folder: must not exist, or be empty.
             facts: stored in the Metadata record ``lexstack``: ``scenario`` (resolved, YAML),
                 ``seed``, ``mode`` and versions.
+            storage: compression, and when a new file begins.
 
         Raises:
             BagError: the folder holds something, or cannot be made.
         """
         self.folder = folder
-        self.path = folder / f"{folder.name}_0.mcap"
         self.extent = Extent()
-        self._distro = facts.get("ros_distro", "jazzy")
+        self._facts = dict(facts)
+        self._storage = storage
         self._topics: dict[str, Topic] = {}
-        self._channels: dict[str, int] = {}
+        self._channels: dict[str, int] = {}  # of the present file
         self._schemas: dict[str, int] = {}
+        self._extents: dict[str, Extent] = {}  # by file name
         with _writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
             if any(folder.iterdir()):
                 raise BagError(f"{folder}: is not empty; a bag is never overwritten")
-            self._file = self.path.open("xb")
-        self._writer = Writer(self._file, chunk_size=_CHUNK_BYTES, compression=CompressionType.ZSTD)
-        self._writer.start(profile="ros2", library="lexstack_bag")
-        self._writer.add_metadata(SCENARIO_RECORD, dict(facts))
+        self._open()
 
     def __enter__(self) -> BagWriter:
         """Return itself."""
@@ -74,29 +72,20 @@ class BagWriter:
         """Whether the bag is complete."""
         return self._file.closed
 
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files so far, in order; the last is being written."""
+        return tuple(self.folder / name for name in self._extents)
+
     def add_topic(self, topic: Topic) -> None:
         """Announce a topic; its messages may follow. A topic that is known stays as it is.
 
         Raises:
             BagError: the definition of its type is not installed.
         """
-        if topic.name in self._topics:
-            return
-        if topic.type not in self._schemas:
-            text = message_definition(topic.type)
-            self._schemas[topic.type] = self._writer.register_schema(
-                topic.type, "ros2msg", text.encode()
-            )
-        self._channels[topic.name] = self._writer.register_channel(
-            topic.name,
-            "cdr",
-            self._schemas[topic.type],
-            {
-                "offered_qos_profiles": to_yaml(topic.qos_list()),
-                "topic_type_hash": topic.type_hash,
-            },
-        )
-        self._topics[topic.name] = topic
+        if topic.name not in self._topics:
+            self._define(topic)
+            self._topics[topic.name] = topic
 
     def write(
         self, topic: str, data: bytes, received: int, published: int, sequence: int = 0
@@ -113,15 +102,19 @@ class BagWriter:
         Raises:
             BagError: the disk is full, or the like.
         """
-        # The container's field has 32 bits.
-        channel, number = self._channels[topic], sequence & 0xFFFFFFFF
-        with _writing(self.path):
-            self._writer.add_message(channel, received, data, published, number)
+        with _writing(self._path):
+            begun = self._extent.start if self._extent.total else received
+            if self._storage.is_full(self._file.size, 1e-9 * (received - begun)):
+                self._split()
+            # The container's field has 32 bits.
+            number = sequence & 0xFFFFFFFF
+            self._file.add_message(self._channels[topic], number, received, published, data)
+        self._extent.add(topic, received)
         self.extent.add(topic, received)
 
     def flush(self) -> None:
-        """Hand every complete chunk to the operating system; raises BagError."""
-        with _writing(self.path):
+        """Hand to the operating system what has waited long enough; raises BagError."""
+        with _writing(self._path):
             self._file.flush()
 
     def close(self, lost: Mapping[str, int] | None = None) -> None:
@@ -139,21 +132,59 @@ class BagWriter:
         if lost is not None:
             custom["recorder_lost"] = str(sum(lost.values()))
             by_topic = {topic: count for topic, count in lost.items() if count}
-            self._writer.add_metadata(
+            self._file.add_metadata(
                 CLOSING_RECORD, {**custom, "recorder_lost_by_topic": json.dumps(by_topic)}
             )
-        information = bag_information(
-            self.path.name, list(self._topics.values()), self.extent, custom, self._distro
-        )
         with _writing(self.folder):
-            self._writer.add_metadata("rosbag2", {"serialized_metadata": to_yaml(information)})
-            self._writer.finish()
-            self._file.close()
+            information = self._end_file(custom)
             # Renamed into place: whoever sees metadata.yaml sees all of it, and a whole .mcap.
             draft = self.folder / ".metadata.yaml"
             text = to_yaml({"rosbag2_bagfile_information": information})
             draft.write_text(text, encoding="utf-8")
             draft.replace(self.folder / "metadata.yaml")
+
+    def _open(self) -> None:
+        """Begin the next file, with all that it needs to be understood alone."""
+        self._path = self.folder / f"{self.folder.name}_{len(self._extents)}.mcap"
+        self._extent = self._extents[self._path.name] = Extent()
+        self._schemas = {}
+        with _writing(self._path):
+            self._file = McapFile(self._path, PRESETS[self._storage.preset])
+            self._file.add_metadata(SCENARIO_RECORD, self._facts)
+            for topic in self._topics.values():
+                self._define(topic)
+
+    def _split(self) -> None:
+        """Complete the present file and begin the next."""
+        self._end_file({})
+        self._open()
+
+    def _end_file(self, custom: Mapping[str, str]) -> dict[str, object]:
+        """Complete the present file and return what there is to say about the bag so far."""
+        information = bag_information(
+            self._extents,
+            list(self._topics.values()),
+            self.extent,
+            custom,
+            self._facts.get("ros_distro", "jazzy"),
+        )
+        self._file.add_metadata("rosbag2", {"serialized_metadata": to_yaml(information)})
+        self._file.close()
+        return information
+
+    def _define(self, topic: Topic) -> None:
+        """Describe a topic in the present file."""
+        if topic.type not in self._schemas:
+            text = message_definition(topic.type)
+            self._schemas[topic.type] = self._file.add_schema(topic.type, text)
+        self._channels[topic.name] = self._file.add_channel(
+            topic.name,
+            self._schemas[topic.type],
+            {
+                "offered_qos_profiles": to_yaml(topic.qos_list()),
+                "topic_type_hash": topic.type_hash,
+            },
+        )
 
 
 @contextmanager
