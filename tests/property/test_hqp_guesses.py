@@ -54,12 +54,11 @@ def test_a_wrong_guess_of_the_whole_is_refused_or_corrected(seed, n, kind, share
         joints = optimum.active.copy()
         chosen = rng.random(n) < share
         joints[chosen] = rng.integers(-1, 2, n)[chosen]
-        guess = Guess.of(hierarchy.levels, joints)
-        for level, sides in zip(hierarchy.levels, guess.rows, strict=True):
-            sides[:] = rng.integers(-1, 2, sides.size) * (rng.random(sides.size) < share)
-            end = np.where(sides > 0, level.upper, level.lower)
-            sides[level.equal | np.isinf(end)] = 0
-        chi = solve_by_exchange(hierarchy.levels, lower, upper, guess, rounds)
+        m = hierarchy.lower.size
+        sides = (rng.integers(-1, 2, m) * (rng.random(m) < share)).astype(np.int8)
+        end = np.where(sides > 0, hierarchy.upper, hierarchy.lower)
+        sides[hierarchy.equal | np.isinf(end)] = 0
+        chi = solve_by_exchange(hierarchy, lower, upper, Guess(joints, sides), rounds)
         if chi is not None:
             np.testing.assert_allclose(chi, optimum.chi, atol=1e-8)
 

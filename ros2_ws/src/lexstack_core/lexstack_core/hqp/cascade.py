@@ -25,6 +25,7 @@ from lexstack_core.hqp.rows import FEASIBILITY, Hierarchy, LevelRows, Signs
 from lexstack_core.linear import LinearTask, Matrix, Vector
 
 _BACKEND_ERRORS = (ArithmeticError, RuntimeError, ValueError)
+_ROUNDS_OF_THE_LAST = 3  # guesses from the active set of the tick before
 _ROUNDS = 3  # guesses from one that the backend foresees
 
 
@@ -51,12 +52,13 @@ class NullSpaceCascade:
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             hierarchy = Hierarchy(problem.levels, problem.bounds.lower.size)
             chi, reason = self._chi(hierarchy, problem.bounds, warm)
-            slacks = np.array(hierarchy.slacks(chi))
+            slacks = hierarchy.slacks(hierarchy.residual(chi))
+            rows = hierarchy.touched(chi)
         active = _touched(chi, problem.bounds)
-        for array in (chi, active, slacks):
+        for array in (chi, active, slacks, rows):
             array.setflags(write=False)
         status = Status.FAILED if reason else Status.SOLVED
-        return Solution(chi, slacks, status, reason, active, time.perf_counter() - start)
+        return Solution(chi, slacks, status, reason, active, time.perf_counter() - start, rows)
 
     def _chi(
         self, hierarchy: Hierarchy, bounds: Bounds, warm: Solution | None
@@ -66,31 +68,28 @@ class NullSpaceCascade:
         chi, reason = _start(hierarchy, lower, upper)
         if reason:
             return chi, reason
-        held: Signs = np.zeros(chi.size, dtype=np.int8)
-        if warm is not None and warm.active.size == chi.size:
-            held = warm.active
+        guess = _last(hierarchy, warm, chi.size)
         if self._guesses:
-            guessed = self._guess(hierarchy, lower, upper, held)
+            guessed = self._guess(hierarchy, lower, upper, guess)
             if guessed is not None:
                 return np.minimum(np.maximum(guessed, lower), upper), ""
+        held = guess.joints if warm is None or warm.active.size != chi.size else warm.active
         return self._descend(hierarchy.levels, lower, upper, chi, held)
 
     def _guess(
-        self, hierarchy: Hierarchy, lower: Vector, upper: Vector, held: Signs
+        self, hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Guess
     ) -> Vector | None:
         """Return the optimum if the last active set, or one that the backend foresees, is its."""
-        levels = hierarchy.levels
-        if hierarchy.exact:
-            chi = solve_by_exchange(levels, lower, upper, Guess.of(levels, held), 1)
-            if chi is not None:
-                return chi
+        chi = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS_OF_THE_LAST)
+        if chi is not None:
+            return chi
         try:
-            sides = self._backend.foresee(hierarchy, lower, upper, held)
+            sides = self._backend.foresee(hierarchy, lower, upper, guess.joints)
         except _BACKEND_ERRORS:
             sides = None
         if sides is None:
             return None
-        return solve_by_exchange(levels, lower, upper, Guess.split(hierarchy, sides), _ROUNDS)
+        return solve_by_exchange(hierarchy, lower, upper, Guess.split(hierarchy, sides), _ROUNDS)
 
     def _descend(
         self, levels: list[LevelRows], lower: Vector, upper: Vector, chi: Vector, held: Signs
@@ -131,6 +130,17 @@ class NullSpaceCascade:
         return sides if isinstance(sides, str) else refine(qp, sides)
 
 
+def _last(hierarchy: Hierarchy, warm: Solution | None, n: int) -> Guess:
+    """Return the active set of the solution before, as far as it fits; else nothing is held."""
+    rows: Signs = np.zeros(hierarchy.lower.size, dtype=np.int8)
+    if warm is None or warm.active.size != n:
+        return Guess(np.zeros(n, dtype=np.int8), rows)
+    if not hierarchy.exact and warm.rows.size == rows.size:
+        ends = np.where(warm.rows > 0, hierarchy.upper, hierarchy.lower)
+        rows = np.where(hierarchy.equal | np.isinf(ends), np.int8(0), warm.rows)
+    return Guess(warm.active.copy(), rows)
+
+
 def _smallest(n: int) -> LevelRows:
     """Return the level below all others: the smallest ``||chi||`` of what is still free."""
     return Hierarchy(((LinearTask.equality("smallest", np.eye(n), np.zeros(n)),),), n).levels[0]
@@ -140,15 +150,15 @@ def _start(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> tuple[Vector, 
     """Return the point of the bounds next to zero, and why the problem is unusable, if it is."""
     chi = np.minimum(np.maximum(lower, 0.0), upper)
     ordered = lower <= upper
-    if not ordered.all() or not math.isfinite(chi.dot(chi)):
+    if not (ordered.all() and math.isfinite(chi.dot(chi))):
         usable = ordered & np.isfinite(chi)
         joint = int(np.argmin(usable))
         reason = f"bounds: joint {joint}: [{lower[joint]}, {upper[joint]}] holds no number"
         return np.where(usable, chi, 0.0), reason
-    residual = hierarchy.residual(chi)
-    norms = sum(level.norm for level in hierarchy.levels)
+    residual = hierarchy.lower if hierarchy.exact else hierarchy.residual(chi)
+    norms = sum([level.norm for level in hierarchy.levels])
     if not math.isfinite(norms + residual.dot(residual)):
-        slacks = hierarchy.slacks(chi)
+        slacks = hierarchy.slacks(residual)
         sizes = [slack + level.norm for slack, level in zip(slacks, hierarchy.levels, strict=True)]
         k = next((k for k, size in enumerate(sizes) if not math.isfinite(size)), 0)
         return chi, f"level {k}: a task holds a number that is not finite, or too large"

@@ -36,11 +36,16 @@ class Factor(Protocol):
         ...
 
 
-def factorise(matrix: Matrix, tolerance: float) -> Factor:
+def factorise(matrix: Matrix, tolerance: float, last: bool = False) -> Factor:
     """Factor ``matrix``, shape (m, r); pivots of at most ``tolerance`` count as zero.
 
     The tolerance is absolute because a matrix that was reduced to a null space may hold rounding
     errors only: the caller knows the scale of the task before the reduction.
+
+    Args:
+        matrix: left as it is.
+        tolerance: absolute.
+        last: that nobody will ask for the null space, which may be empty then.
     """
     rows, columns = matrix.shape
     if rows == 0 or columns == 0:
@@ -49,26 +54,45 @@ def factorise(matrix: Matrix, tolerance: float) -> Factor:
         tall = _Tall(matrix)
         if abs(tall.triangle[-1, -1]) > tolerance:  # pivots fall in size
             return tall
-    return _wide(matrix, tolerance)
+    return _wide(matrix, tolerance, last)
 
 
-def _wide(matrix: Matrix, tolerance: float) -> Factor:
+def factorise_full(matrix: Matrix, tolerance: float, last: bool = False) -> Factor | None:
+    """Factor a matrix of full row rank, shape (m, r) with 0 < m <= r; return None for any other."""
+    rows = len(matrix)
+    packed, pivots, tau, _, _ = dgeqp3(matrix.T, lwork=_WORK)
+    if abs(packed[rows - 1, rows - 1]) <= tolerance:
+        return None
+    return _Wide(packed[:rows], pivots - 1, _orthogonal(packed, tau, last))
+
+
+def _wide(matrix: Matrix, tolerance: float, last: bool) -> Factor:
     """Factor by QR of the transpose; complete it to an orthogonal one where rank is missing."""
     rows, columns = matrix.shape
     packed, pivots, tau, _, _ = dgeqp3(matrix.T, lwork=_WORK)
     size = min(rows, columns)
     rank = size
-    if abs(packed[size - 1, size - 1]) <= tolerance:  # pivots fall in size
+    if abs(packed[size - 1, size - 1]) <= tolerance:
         rank = int(np.count_nonzero(np.abs(packed.diagonal()) > tolerance))
-    full = np.empty((columns, columns), order="F")  # dorgqr fills the columns after the first ones
-    full[:, :size] = packed[:, :size]
-    basis: Matrix = dorgqr(full, tau, lwork=_WORK, overwrite_a=1)[0]
-    order = pivots - 1
-    if rank == rows:
-        return _Wide(packed[:rows], order, basis)
     if rank == 0:
         return _Zero(rows, columns)
+    order = pivots - 1
+    basis = _orthogonal(packed[:, :size], tau, last)
+    if rank == rows:
+        return _Wide(packed[:rows], order, basis)
     return _Deficient(np.triu(packed[:rank]).T, order, basis)
+
+
+def _orthogonal(packed: Matrix, tau: Vector, thin: bool) -> Matrix:
+    """Return Q of a QR of shape (r, m), m <= r: its first m columns if ``thin``, else all r."""
+    columns, size = packed.shape
+    if thin or size == columns:
+        first: Matrix = dorgqr(packed, tau, lwork=_WORK)[0]
+        return first
+    full = np.empty((columns, columns), order="F")  # dorgqr fills the columns after the first ones
+    full[:, :size] = packed
+    basis: Matrix = dorgqr(full, tau, lwork=_WORK, overwrite_a=1)[0]
+    return basis
 
 
 class _Zero:
@@ -86,6 +110,24 @@ class _Zero:
 
     def solve_transposed(self, gradients: Matrix) -> Matrix:
         return np.zeros((len(gradients), self._rows))
+
+
+class _Orthonormal:
+    """Orthonormal columns times a scale: nothing is left to the levels below."""
+
+    def __init__(self, basis: Matrix, scale: float) -> None:
+        self.rank = basis.shape[1]
+        self.null: Matrix = np.empty((self.rank, 0))
+        self._basis = basis
+        self._scale = scale
+
+    def solve(self, target: Vector) -> Vector:
+        z: Vector = target.dot(self._basis) / self._scale
+        return z
+
+    def solve_transposed(self, gradients: Matrix) -> Matrix:
+        mu: Matrix = gradients.dot(self._basis.T) / self._scale
+        return mu
 
 
 class _Wide:

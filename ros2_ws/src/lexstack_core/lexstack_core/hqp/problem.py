@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Protocol
 
@@ -36,6 +36,11 @@ class Status(Enum):
     FAILED = "failed"
 
 
+def _no_rows() -> NDArray[np.int8]:
+    """Return the states of no rows."""
+    return np.empty(0, dtype=np.int8)
+
+
 @dataclass(frozen=True, slots=True)
 class Solution:
     """What a solver returns; a failure is a value with a reason, never an exception.
@@ -48,6 +53,8 @@ class Solution:
         reason: empty when solved; else one line that names the level and the backend's word.
         active: -1, 0 or +1 per variable of chi: which bound holds (+1 if both), shape (n,).
         solve_time: wall time of the solve [s].
+        rows: -1, 0 or +1 per row of all levels, in their order: the end at which, or beyond
+            which, an inequality row is; 0 for equality rows; shape (M,). It may be empty.
     """
 
     chi: Vector
@@ -56,6 +63,7 @@ class Solution:
     reason: str
     active: NDArray[np.int8]
     solve_time: float
+    rows: NDArray[np.int8] = field(default_factory=_no_rows)
 
     @property
     def solved(self) -> bool:

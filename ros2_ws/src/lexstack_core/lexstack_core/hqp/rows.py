@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,7 @@ class LevelRows:
     """The rows of one level; not frozen, because that would triple the time to make one.
 
     Attributes:
+        part: which rows of the hierarchy these are.
         matrix: A, shape (m, n).
         lower: shape (m,).
         upper: shape (m,).
@@ -37,6 +39,7 @@ class LevelRows:
         norm: Frobenius norm of A, positive.
     """
 
+    part: slice
     matrix: Matrix
     lower: Vector
     upper: Vector
@@ -49,19 +52,6 @@ class LevelRows:
         """Below this a pivot of A, or of A reduced to a null space, counts as zero."""
         return RANK_TOLERANCE * self.norm
 
-    def objective(self, sides: Signs) -> tuple[Matrix, Vector, Indices | None]:
-        """Return the rows that count as ``A chi -> b``, b, and which they are (None: all).
-
-        Args:
-            sides: shape (m,): the end at which an inequality row is held, 0 where it is free;
-                equality rows count always.
-        """
-        if self.exact:
-            return self.matrix, self.lower, None
-        chosen = np.flatnonzero(self.equal | (sides != 0))
-        target = np.where(sides < 0, self.lower, self.upper)
-        return self.matrix[chosen], target[chosen], chosen
-
 
 class Hierarchy:
     """All levels in one array.
@@ -72,41 +62,68 @@ class Hierarchy:
         upper: shape (M,).
         levels: views of the above, index 0 the highest priority.
         equal: mask of the equality objectives, shape (M,).
-        ends: the row behind each level's last.
         exact: whether every row is an equality objective.
+        deciding: the levels above the first one whose matrix is a multiple of the unit matrix:
+            that one uses all freedom, so nothing below it has a say.
+        nearest: what that level wants chi to be, shape (n,), or zero: chi is the point next to it
+            of those that the deciding levels leave.
+        mergeable: how many of the deciding levels have, from the first one on, only equalities and
+            together at most n rows.
     """
+
+    __slots__ = (
+        "deciding",
+        "equal",
+        "exact",
+        "levels",
+        "lower",
+        "matrix",
+        "mergeable",
+        "nearest",
+        "upper",
+    )
 
     def __init__(self, levels: tuple[tuple[LinearTask, ...], ...], n: int) -> None:
         """Stack the tasks; raises InputError if one does not fit chi of length n."""
         tasks = [task for level in levels for task in level]
-        for task in tasks:
-            _check_shape(task, n)
+        _check_shapes(tasks, n)
         if not tasks:
             tasks = [LinearTask("", np.empty((0, n)), np.empty(0), np.empty(0))]
         self.matrix: Matrix = np.concatenate([task.matrix for task in tasks], dtype=float)
         self.lower: Vector = np.concatenate([task.lower for task in tasks], dtype=float)
         self.upper = self.lower
+        self.equal = _all(self.lower.size)
+        self.exact = True
         if any(task.lower is not task.upper for task in tasks):
             self.upper = np.concatenate([task.upper for task in tasks], dtype=float)
-        self.equal: Mask = self.lower == self.upper
-        self.exact = bool(self.equal.all())
+            self.equal = self.lower == self.upper
+            self.exact = bool(self.equal.all())
         self.levels: list[LevelRows] = []
-        self.ends: list[int] = []
+        self.mergeable = 0
+        self.nearest: Vector | None = None
+        start = 0
         for level in levels:
-            self._add(sum(task.lower.size for task in level))
+            end = start + sum([task.lower.size for task in level])
+            self._add(slice(start, end))
+            start = end
+        if self.nearest is None:
+            self.deciding, self.nearest = self.levels, np.zeros(n)
 
-    def _add(self, count: int) -> None:
-        """Append the level of the next ``count`` rows."""
-        start = self.ends[-1] if self.ends else 0
-        rows = slice(start, start + count)
-        matrix, equal = self.matrix[rows], self.equal[rows]
+    def _add(self, part: slice) -> None:
+        """Append the level of some rows."""
+        matrix, equal = self.matrix[part], self.equal[part]
         flat = matrix.reshape(-1)
         exact = self.exact or bool(equal.all())
         norm = math.sqrt(flat.dot(flat)) or 1.0
-        self.levels.append(
-            LevelRows(matrix, self.lower[rows], self.upper[rows], equal, exact, norm)
-        )
-        self.ends.append(start + count)
+        lower, upper = self.lower[part], self.upper[part]
+        if exact and self.nearest is None:
+            n = matrix.shape[1]
+            unit = _unit(matrix, flat) if len(matrix) == n else 0.0
+            if unit:
+                self.deciding, self.nearest = self.levels.copy(), lower / unit
+            elif part.stop <= n and self.mergeable == len(self.levels):
+                self.mergeable += 1
+        self.levels.append(LevelRows(part, matrix, lower, upper, equal, exact, norm))
 
     def residual(self, chi: Vector) -> Vector:
         """Return the signed distance of every row to its interval, shape (M,)."""
@@ -116,23 +133,46 @@ class Hierarchy:
             nearest = np.minimum(np.maximum(value, self.lower), self.upper)
         return value - nearest
 
-    def slacks(self, chi: Vector) -> list[float]:
+    def slacks(self, residual: Vector) -> Vector:
         """Return the norm of each level's residual: NaN or inf where the level is not finite."""
-        residual = self.residual(chi)
-        slacks = []
-        start = 0
-        for end in self.ends:
-            part = residual[start:end]
-            slacks.append(math.sqrt(part.dot(part)))
-            start = end
-        return slacks
+        parts = [residual[level.part] for level in self.levels]
+        return np.array([math.sqrt(part.dot(part)) for part in parts])
+
+    def touched(self, chi: Vector) -> Signs:
+        """Return at which end the inequality rows are, or beyond which, shape (M,)."""
+        sides: Signs = np.zeros(self.lower.size, dtype=np.int8)
+        if not self.exact:
+            value = self.matrix.dot(chi)
+            sides[value <= self.lower + FEASIBILITY] = -1
+            sides[value >= self.upper - FEASIBILITY] = 1
+            sides[self.equal] = 0
+        return sides
 
 
-def _check_shape(task: LinearTask, n: int) -> None:
+@lru_cache(maxsize=64)
+def _all(size: int) -> Mask:
+    """Return a mask of ones, read-only."""
+    mask: Mask = np.ones(size, dtype=np.bool_)
+    mask.setflags(write=False)
+    return mask
+
+
+def _unit(matrix: Matrix, flat: Vector) -> float:
+    """Return c where a square matrix is c times the unit matrix, else 0."""
+    first: float = matrix.item(0) if matrix.size else 0.0
+    n = len(matrix)
+    if first == 0.0 or flat.item(-1) != first or np.count_nonzero(matrix) != n:
+        return 0.0
+    same = np.count_nonzero(flat[:: n + 1] == first) == n
+    return first if same and math.isfinite(first) else 0.0
+
+
+def _check_shapes(tasks: list[LinearTask], n: int) -> None:
     """Raise InputError if a task's arrays do not fit each other and chi of length n."""
-    rows = task.lower.size
-    if task.matrix.shape != (rows, n) or task.lower.shape != task.upper.shape:
-        raise InputError(
-            f"task {task.name}: matrix {task.matrix.shape}, lower {task.lower.shape}, "
-            f"upper {task.upper.shape} do not fit chi of length {n}"
-        )
+    for task in tasks:
+        rows = task.lower.size
+        if task.matrix.shape != (rows, n) or task.upper.shape != (rows,):
+            raise InputError(
+                f"task {task.name}: matrix {task.matrix.shape}, lower {task.lower.shape}, "
+                f"upper {task.upper.shape} do not fit chi of length {n}"
+            )

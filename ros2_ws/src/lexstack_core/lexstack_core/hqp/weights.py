@@ -26,10 +26,8 @@ def weighted_qp(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> LevelQp:
     step = max(_STEP, _RANGE ** (1.0 / max(len(levels), 1))) ** 0.5
     scale = np.empty(hierarchy.lower.size)
     weight = 1.0
-    start = 0
-    for level, end in zip(levels, hierarchy.ends, strict=True):
-        scale[start:end] = weight / level.norm
-        start = end
+    for level in levels:
+        scale[level.part] = weight / level.norm
         weight *= step
     rows = hierarchy.matrix * scale[:, None]
     ends = hierarchy.lower * scale, hierarchy.upper * scale
