@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from lexstack_bag.definitions import message_definition
 from lexstack_bag.facts import run_facts
 from lexstack_bag.metadata import Qos, Topic
+from lexstack_bag.presets import Storage
 from lexstack_bag.writer import BagWriter
 from lexstack_core.config.resolved import ResolvedScenario, load_robot
 from lexstack_core.config.scenario import PlacementConfig, ScenarioConfig, TransitionConfig
@@ -228,19 +230,25 @@ class Maker:
         )
 
 
-def write_bag(folder: Path, resolved: ResolvedScenario, *, close: bool = True) -> Synthetic:
-    writer = BagWriter(folder, run_facts(resolved))
+def write_bag(
+    folder: Path,
+    resolved: ResolvedScenario,
+    *,
+    close: bool = True,
+    storage: Storage | None = None,
+) -> Synthetic:
+    writer = BagWriter(folder, run_facts(resolved), storage or Storage())
     maker = Maker(writer, resolved)
     maker.targets()
     for tick in range(TICKS):
         maker.plant(tick)
         maker.solutions(tick)
         maker.transition(tick)
+        if tick % 40 == 39:
+            writer.flush()
     lost = {"/clock": 3, "/plant/state": 0}
     if close:
         writer.close(lost)
-    else:
-        writer.flush()
     return Synthetic(folder, resolved, maker.counts, lost)
 
 
@@ -248,6 +256,12 @@ def write_bag(folder: Path, resolved: ResolvedScenario, *, close: bool = True) -
 def synthetic(tmp_path_factory: pytest.TempPathFactory, resolved: ResolvedScenario) -> Synthetic:
     """The complete bag."""
     return write_bag(tmp_path_factory.mktemp("run") / "bag", resolved)
+
+
+@pytest.fixture(scope="session")
+def write(resolved: ResolvedScenario) -> Callable[..., Synthetic]:
+    """Write the run to a folder, stored as wished: ``write(folder, storage=..., close=...)``."""
+    return lambda folder, **options: write_bag(folder, resolved, **options)
 
 
 @pytest.fixture(scope="session")
