@@ -16,7 +16,10 @@ from support.scenario import home, random_q, resolved, state_at, team
 
 RNG = np.random.default_rng(2)
 DT = 0.01
+STEP = 1e-6
 NEEDED = {"relative_pose": {"other": "robot_a"}}  # parameters without a default
+# Nothing to bring to zero; tests/unit/core/test_tasks_distance.py has the derivatives of distances.
+WITHOUT_ERROR = {"distance", "minimum_velocity"}
 
 
 def make(kind, robot=0, **parameters):
@@ -41,6 +44,42 @@ def test_every_task_has_rows_of_the_right_shape(kind):
     assert (linear.lower <= linear.upper).all()
     if kind not in NEEDED:
         assert not linear.matrix[:, :10].any(), "it concerns robot B alone"
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("kind", sorted(set(TASKS) - WITHOUT_ERROR))
+def test_the_matrix_is_the_derivative_of_the_error(kind, seed):
+    """Around its reference, b = gain e changes by -gain A chi: rows, signs and units agree."""
+    rng = np.random.default_rng(seed)
+    q, chi = random_q(rng), rng.normal(size=team().n)
+    task = make(kind, robot=1, gain=2.0, **NEEDED.get(kind, {}))
+    here = References(team().tools(q), tuple(q[part][:3] for part in team().slices))
+    ahead, now, behind = (
+        task.linearise(team().kinematics(state_at(integrated(q, h * chi))), here)
+        for h in (STEP, 0.0, -STEP)
+    )
+    change = (ahead.lower - behind.lower) / (2.0 * STEP)
+    np.testing.assert_allclose(change, -2.0 * now.matrix @ chi, atol=1e-6)
+    np.testing.assert_array_equal(now.lower, now.upper)
+
+
+def integrated(q, step):
+    """Return q moved by a step of chi, robot by robot, as pinocchio moves it."""
+    return np.concatenate(
+        [
+            pin.integrate(robot.pinocchio, q[part], step[part])
+            for robot, part in zip(team().robots, team().slices, strict=True)
+        ]
+    )
+
+
+@pytest.mark.parametrize("kind", sorted(TASKS))
+def test_a_task_says_whose_joints_it_moves(kind):
+    task = make(kind, robot=1, **NEEDED.get(kind, {}))
+    linear = task.linearise(team().kinematics(state_at(random_q(RNG))), references())
+    for robot, part in enumerate(team().slices):
+        assert robot in task.robots or not linear.matrix[:, part].any()
+    assert 1 in task.robots
 
 
 @pytest.mark.parametrize("kind", sorted(TASKS))
@@ -160,7 +199,7 @@ def test_a_weight_scales_the_squared_residual():
 @pytest.mark.parametrize(
     ("levels", "message"),
     [
-        ([[TaskConfig("dance")]], "unknown task 'dance'; known: base, ee_pose"),
+        ([[TaskConfig("dance")]], "unknown task 'dance'; known: base, distance, ee_pose"),
         ([[TaskConfig("base", "robot_c")]], "unknown robot 'robot_c'"),
         ([[TaskConfig("base")], [TaskConfig("base")]], "'robot_a/base' stands in it twice"),
         ([[TaskConfig("base", parameters={"gain": -1.0})]], "gain: must be finite and > 0"),

@@ -2,37 +2,57 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from lexstack_core.config.scenario import ObstacleConfig
+from lexstack_core.errors import ConfigurationError
 from lexstack_core.linear import Matrix, Vector
 
 
 class Obstacles:
-    """What the robots must not touch; each goes straight at constant speed.
+    """What the robots must not touch.
 
     Attributes:
         names: in the order of the scenario.
         radii: shape (k,), m.
-        velocities: shape (k, 3), m/s, world frame.
+        moving: whether any of them moves.
     """
 
     def __init__(self, configs: Mapping[str, ObstacleConfig]) -> None:
         """Take them from a scenario."""
         self.names = tuple(configs)
-        self.radii: Vector = np.array([config.radius for config in configs.values()])
+        values = configs.values()
         shape = (len(configs), 3)
-        self._starts: Matrix = np.reshape([c.position for c in configs.values()], shape)
-        self.velocities: Matrix = np.reshape([c.velocity for c in configs.values()], shape)
-        for array in (self.radii, self._starts, self.velocities):
+        self.radii: Vector = np.array([config.radius for config in values])
+        self._starts: Matrix = np.reshape([config.position for config in values], shape)
+        self._velocities: Matrix = np.reshape([config.velocity for config in values], shape)
+        self._swings: Matrix = np.reshape([config.swing for config in values], shape)
+        self._rates: Vector = np.array([2.0 * math.pi / config.period for config in values])
+        self._swing = bool(self._swings.any())
+        self.moving = self._swing or bool(self._velocities.any())
+        for array in (self.radii, self._starts, self._velocities, self._swings, self._rates):
             array.setflags(write=False)
 
     def __len__(self) -> int:
         """Return how many there are."""
         return len(self.names)
 
+    def index(self, name: str) -> int:
+        """Return an obstacle's place; raises ConfigurationError listing the known."""
+        if name not in self.names:
+            known = ", ".join(self.names) or "none"
+            raise ConfigurationError(f"unknown obstacle {name!r}; known: {known}")
+        return self.names.index(name)
+
     def at(self, stamp: float) -> Matrix:
         """Return where their centers are at a simulated time [s], shape (k, 3), m, world frame."""
-        return np.asarray(self._starts + stamp * self.velocities)
+        if not self.moving:
+            return self._starts
+        centers: Matrix = self._starts + stamp * self._velocities
+        if self._swing:
+            part = 0.5 - 0.5 * np.cos(stamp * self._rates)
+            centers += part[:, None] * self._swings
+        return centers

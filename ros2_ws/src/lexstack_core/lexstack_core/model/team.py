@@ -105,7 +105,7 @@ class Team:
         ]
         radii, owners, moved_by = self._fixed
         return Spheres(
-            np.concatenate([centers for centers, _ in results]),
+            np.concatenate([centers for centers, _ in results], axis=1).T.copy(),
             radii,
             owners,
             moved_by,
