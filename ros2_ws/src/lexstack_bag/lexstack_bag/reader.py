@@ -23,6 +23,9 @@ from lexstack_core.model import Team
 
 PLANT_STATE = "/plant/state"
 TRANSITION = "/robot_a/transition"
+NEEDED = (PLANT_STATE, "/robot_a/chi", TRANSITION)
+"""Topics without which there is nothing to analyse."""
+
 _TARGETS = {"ee_target": "ee", "base_target": "base"}
 
 Progress = Callable[[str], None]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
@@ -13,10 +12,10 @@ from rclpy.qos import QoSProfile
 
 from lexstack_bag.errors import BagError
 from lexstack_bag.facts import run_facts
+from lexstack_bag.reader import NEEDED
 from lexstack_bag.writer import BagWriter
-from lexstack_core.errors import ConfigurationError
 from lexstack_ros.diagnostics import Diagnostics, Health
-from lexstack_ros.parameters import scenario_parameter, text_parameter
+from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.readiness import Readiness
 from lexstack_ros.recording import (
     Tap,
@@ -26,6 +25,7 @@ from lexstack_ros.recording import (
     is_hidden,
     matching_qos,
 )
+from lexstack_ros.recording_options import RecordingOptions
 from lexstack_ros.spin import run_node
 
 _DISCOVERY_PERIOD = 0.2  # s
@@ -38,23 +38,26 @@ class Recorder(Node):
     def __init__(self) -> None:
         """Create the bag and subscribe; raises LexstackError for a wrong parameter."""
         super().__init__("recorder")
-        output = Path(text_parameter(self, "output", "folder of the bag, must not hold anything"))
-        extra = text_parameter(self, "topics", "more topics to wait for: NAME:TYPE, ...", "")
+        options = RecordingOptions.of(self)
         resolved = scenario_parameter(self)
-        expected = contract_topics(resolved.scenario.robots) | _pairs(extra)
-        self._writer = BagWriter(output, run_facts(resolved))
+        expected = contract_topics(resolved.scenario.robots) | options.expected
+        self._selection = options.selection
+        self._writer = BagWriter(options.output, run_facts(resolved), options.storage)
         self._taps: dict[str, Tap] = {}
         self._announced: set[str] = set()
         self._refused: set[str] = set()
         self._lost_before: Counter[str] = Counter()  # of subscriptions that were renewed
         for name, type_name in expected.items():
-            self._subscribe(name, type_name)
+            if self._selection.takes(name, type_name):
+                self._subscribe(name, type_name)
+            elif name in NEEDED:
+                self.get_logger().warning(f"{name} is left out: the bag cannot be analysed")
         self._diagnostics = Diagnostics(self, self._health)
         wall = Clock(clock_type=ClockType.STEADY_TIME)  # goes on while simulated time stands
         self.create_timer(_DISCOVERY_PERIOD, self._discover, clock=wall)
         self.create_timer(_FLUSH_PERIOD, self._writer.flush, clock=wall)
         self._discover()
-        self.get_logger().info(f"records {len(self._taps)} topics to {output}")
+        self.get_logger().info(f"records {len(self._taps)} topics to {options.output}")
         self._readiness = Readiness(self, hears_plant=True, on_ready=self._begin)
 
     def close(self) -> None:
@@ -86,6 +89,8 @@ class Recorder(Node):
                 tap.shared = self.count_publishers(name) > 1
             done = name in self._announced and tap is not None and not tap.incompatible
             if done or is_hidden(name) or name in self._refused:
+                continue
+            if not self._selection.takes(name, types[0]):
                 continue
             offers = self.get_publishers_info_by_topic(name)
             if not offers:
@@ -139,14 +144,6 @@ class Recorder(Node):
                 "lost": str(lost),
             },
         )
-
-
-def _pairs(text: str) -> dict[str, str]:
-    """Return names and types of ``NAME:TYPE, ...``; raises ConfigurationError."""
-    pairs = [item.strip().split(":") for item in text.split(",") if item.strip()]
-    if any(len(pair) != 2 for pair in pairs):
-        raise ConfigurationError(f"recorder: topics: expected NAME:TYPE, ..., got {text!r}")
-    return {pair[0]: pair[1] for pair in pairs}
 
 
 def main() -> int:

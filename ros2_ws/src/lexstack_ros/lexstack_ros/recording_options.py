@@ -1,0 +1,108 @@
+"""The recorder's parameters: named and meant as the options of ``ros2 bag record``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.exceptions import InvalidParameterTypeException, ParameterException
+from rclpy.node import Node
+
+from lexstack_bag.errors import BagError
+from lexstack_bag.presets import DEFAULT_PRESET, PRESETS, Storage
+from lexstack_bag.selection import Selection
+from lexstack_core.errors import ConfigurationError
+from lexstack_ros.parameters import text_parameter
+
+_LARGEST = 2**50  # bytes
+_LONGEST = 1e7  # s
+_LISTS = {
+    "topics": "take these topics",
+    "exclude_topics": "leave these topics out",
+    "exclude_topic_types": "leave out topics of these types, pkg/msg/Type",
+}
+_EXPRESSIONS = {
+    "regex": "take topics whose name contains this expression",
+    "exclude_regex": "leave out topics whose name contains this expression",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingOptions:
+    """What a user chooses of a recording.
+
+    Attributes:
+        output: folder of the bag.
+        storage: compression and splitting.
+        selection: which topics.
+        expected: name and type of topics to subscribe to before anybody publishes.
+    """
+
+    output: Path
+    storage: Storage
+    selection: Selection
+    expected: dict[str, str]
+
+    @classmethod
+    def of(cls, node: Node) -> RecordingOptions:
+        """Declare and read the parameters; raises ConfigurationError for one that is wrong."""
+        output = text_parameter(node, "output", "folder of the bag, must not hold anything")
+        expected = text_parameter(
+            node, "expected_topics", "topics to wait for besides lexstack's own: NAME:TYPE, ...", ""
+        )
+        lists = {
+            key: _items(text_parameter(node, key, f"{what}, comma-separated", ""))
+            for key, what in _LISTS.items()
+        }
+        expressions = {
+            key: text_parameter(node, key, what, "") for key, what in _EXPRESSIONS.items()
+        }
+        try:
+            return cls(
+                Path(output), _storage(node), Selection(**lists, **expressions), _pairs(expected)
+            )
+        except (BagError, InvalidParameterTypeException) as error:
+            raise ConfigurationError(f"{node.get_name()}: {error}") from error
+        except ParameterException as error:
+            raise ConfigurationError(
+                f"{node.get_name()}: {' '.join(str(error).split())}"
+            ) from error
+
+
+def _storage(node: Node) -> Storage:
+    """Return compression and splitting; raises BagError."""
+    preset = text_parameter(
+        node,
+        "storage_preset_profile",
+        f"one of: {', '.join(PRESETS)}",
+        DEFAULT_PRESET,
+    )
+    size = ParameterDescriptor(
+        description="bytes of a file after which the next one begins; 0: one file",
+        read_only=True,
+        integer_range=[IntegerRange(from_value=0, to_value=_LARGEST, step=1)],
+    )
+    duration = ParameterDescriptor(
+        description="seconds of a file after which the next one begins; 0: one file",
+        read_only=True,
+        floating_point_range=[FloatingPointRange(from_value=0.0, to_value=_LONGEST, step=0.0)],
+    )
+    return Storage(
+        preset,
+        int(node.declare_parameter("max_bag_size", 0, size).value),
+        float(node.declare_parameter("max_bag_duration", 0.0, duration).value),
+    )
+
+
+def _items(text: str) -> tuple[str, ...]:
+    """Return the items of a comma-separated list."""
+    return tuple(item.strip() for item in text.split(",") if item.strip())
+
+
+def _pairs(text: str) -> dict[str, str]:
+    """Return names and types of ``NAME:TYPE, ...``; raises BagError."""
+    pairs = [item.split(":") for item in _items(text)]
+    if any(len(pair) != 2 for pair in pairs):
+        raise BagError(f"expected_topics: expected NAME:TYPE, ..., got {text!r}")
+    return {pair[0]: pair[1] for pair in pairs}
