@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lexstack_core.linear import LinearTask
-from lexstack_core.transition.bridge import bridged, latch, same_level
+from lexstack_core.transition.bridge import bridged, goes_on, latch
 from lexstack_core.transition.profile import PROFILES, alpha
 from lexstack_core.transition.request import MAX_SCHEDULED, RequestBook
 from lexstack_core.transition.status import Announcement, SourceSchedule
@@ -62,13 +62,19 @@ def test_a_level_that_goes_on_is_not_touched():
     assert first is tasks
 
 
-def test_same_level_sees_every_difference():
-    tasks = level()
-    assert same_level(tasks, tasks)
-    assert not same_level(tasks, tasks[:1])
-    other = dataclasses.replace(tasks[1], upper=tasks[1].upper + 1e-9)
-    assert not same_level(tasks, (tasks[0], other))
-    assert not same_level(tasks, (dataclasses.replace(tasks[0], name="x"), tasks[1]))
+def test_a_level_goes_on_while_its_targets_move_by_less_than_the_joints_reach():
+    tasks, reach = level(), np.full(6, 0.01)
+    assert goes_on(tasks, tasks, reach)
+    assert not goes_on(tasks, tasks[:1], reach)
+    assert not goes_on(tasks, (tasks[0], dataclasses.replace(tasks[1], name="x")), reach)
+    turned = dataclasses.replace(tasks[1], matrix=tasks[1].matrix + 1e-9)
+    assert not goes_on(tasks, (tasks[0], turned), reach)
+    for end in ("lower", "upper"):
+        for step, follows in ((1e-4, True), (1.0, False)):
+            moved = dataclasses.replace(tasks[1], **{end: getattr(tasks[1], end) + step})
+            assert goes_on(tasks, (tasks[0], moved), reach) is follows
+    endless = dataclasses.replace(tasks[1], upper=np.array([np.inf]))
+    assert goes_on((tasks[0], endless), (tasks[0], endless), reach)
 
 
 # ---- requests

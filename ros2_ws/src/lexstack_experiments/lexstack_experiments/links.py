@@ -49,4 +49,6 @@ class Frozen:
         """Let a message through, or put the frozen chi in its place."""
         if sample.tick < self._tick:
             self._last = sample
-        return sample if self._last is None else replace(sample, chi=self._last.chi)
+        if self._last is None:
+            return sample
+        return replace(sample, chi=self._last.chi, slack=self._last.slack)

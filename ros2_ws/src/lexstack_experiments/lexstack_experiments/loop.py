@@ -13,6 +13,7 @@ from lexstack_core.build import Parts, build_controller, build_references, build
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.config.scenario import EventConfig
 from lexstack_core.controller import Command, Controller
+from lexstack_core.hqp import Solution
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
 from lexstack_core.references import References, Target, pose_from_config
@@ -124,7 +125,7 @@ class Loop:
         solution = self.solver_b.solve(wanted.stack, kinematics, references)
         self.record.b_times[state.tick] = perf_counter() - begun
         self.record.sources[state.tick] = solution.chi
-        return SourceSample(wanted.id, state.tick, solution.chi, solution.solved)
+        return sample_of(wanted, state.tick, solution)
 
     def _schedule_event(self, event: EventConfig) -> None:
         """Hand an event of the scenario to those whom it concerns."""
@@ -133,6 +134,11 @@ class Loop:
         if event.switch:
             tick = round(event.at * self.resolved.scenario.rate)
             self.controller.transition.ask(event.switch, event.duration, "", tick)
+
+
+def sample_of(wanted: Announcement, tick: int, solution: Solution) -> SourceSample:
+    """Return a solution as robot B sends it."""
+    return SourceSample(wanted.id, tick, solution.chi, solution.solved, float(solution.slacks[0]))
 
 
 def targets_of(event: EventConfig, team: Team) -> list[Target]:

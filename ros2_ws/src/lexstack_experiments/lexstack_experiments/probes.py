@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import Any, TypeVar
 
-from lexstack_core.build import Parts, build_references
+from lexstack_core.build import Parts, build_controller
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.controller import Controller
 from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, make_solver
 from lexstack_core.model import Team
 from lexstack_core.stack import Level, Stack
-from lexstack_core.stack_solver import StackSolver
-from lexstack_core.transition.machine import Transition
 
 T = TypeVar("T")
 
@@ -66,10 +64,7 @@ def counting_controller(
     def solver() -> CountingSolver:
         return CountingSolver(make_solver(resolved.scenario.solver), tally)
 
-    local = StackSolver(parts.team, parts.stacks, solver(), parts.dt)
-    references = build_references(resolved, parts.team)
-    transition = Transition(parts.stacks, local, resolved.scenario)
-    return Controller(parts.team, references, transition, solver(), parts.dt), tally
+    return build_controller(resolved, parts, solver), tally
 
 
 class Stopwatch:
@@ -121,7 +116,7 @@ class TimedLevel:
 def timed_parts(parts: Parts, kinematics: Stopwatch, tasks: Stopwatch) -> Parts:
     """Return parts that do the same, with kinematics and tasks timed."""
     stacks = {
-        name: Stack(name, tuple(TimedLevel(level, tasks) for level in stack.levels))
+        name: Stack(name, tuple(TimedLevel(level, tasks) for level in stack.levels), stack.limits)
         for name, stack in parts.stacks.items()
     }
     return Parts(TimedTeam(parts.team, kinematics), stacks, parts.dt)

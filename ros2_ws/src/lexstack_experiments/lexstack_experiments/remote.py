@@ -14,7 +14,7 @@ from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.references import References
 from lexstack_core.state import RobotState
 from lexstack_core.transition.status import Announcement, SourceSample
-from lexstack_experiments.loop import targets_of
+from lexstack_experiments.loop import sample_of, targets_of
 
 _PATIENCE = 60.0  # s of wall time to wait for an answer, the start of the process included
 
@@ -118,4 +118,4 @@ def _serve(pipe: Connection, text: str) -> None:
         solution = solver.solve(wanted.stack, kinematics, references.at(state.stamp))
         wall, cpu = perf_counter() - begun, process_time()
         effort, used = Effort(wall, cpu - used), cpu
-        pipe.send((SourceSample(wanted.id, state.tick, solution.chi, solution.solved), effort))
+        pipe.send((sample_of(wanted, state.tick, solution), effort))

@@ -92,11 +92,13 @@ def to_state(message: PlantState, team: Team) -> RobotState:
 def to_sample(message: Chi, team: Team, where: str) -> SourceSample:
     """Return a source's chi; raises InputError. ``where`` is its topic."""
     check_robots(message.robots, team, where)
+    slacks = to_vector(message.slacks, len(message.slacks), f"{where}: slacks")
     return SourceSample(
         message.transition_id,
         message.tick,
         to_vector(message.chi, team.n, f"{where}: chi"),
         message.status == Chi.SOLVED,
+        float(slacks[0]) if slacks.size else None,
     )
 
 

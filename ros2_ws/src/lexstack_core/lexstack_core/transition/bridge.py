@@ -1,8 +1,8 @@
 """The bridge: the gap to the source, latched at the trigger, fades out while A stays optimal.
 
-At the trigger t0, with chi_cmd the last command and chi_S the source's optimum:
+At the trigger t0, with chi_A what the command would be without it and chi_S the source's optimum:
 
-    delta = chi_cmd(t0-) - chi_S(t0)           epsilon = J chi_cmd(t0-) - b_1(t0)
+    delta = chi_A(t0) - chi_S(t0)              epsilon = J chi_A(t0) - b_1(t0)
 
 and then, within A's own bounds,
 
@@ -27,13 +27,15 @@ class Bridge:
     """What was latched at the trigger.
 
     Attributes:
-        delta: chi_cmd - chi_S, shape (n,), m/s and rad/s.
-        epsilon: per task of level 1 the residual of chi_cmd, or None where level 1 goes on as it
+        delta: chi_A - chi_S, shape (n,), m/s and rad/s.
+        epsilon: per task of level 1 the residual of chi_A, or None where level 1 goes on as it
             was: then its optimum is not touched, and strictness holds through the transition.
+        carried: what the gap of this tick has besides (1 - alpha) delta, shape (n,), see ``carry``.
     """
 
     delta: Vector
     epsilon: tuple[Vector, ...] | None
+    carried: Vector | None = None
 
 
 def latch(
@@ -42,7 +44,8 @@ def latch(
     """Return the bridge from ``command`` to ``source``, both shape (n,).
 
     Args:
-        command: chi_cmd(t0-), the last command.
+        command: chi_A(t0): of a stack that A serves alone its optimum at this tick, else the last
+            command.
         source: chi_S(t0), the source's optimum for this tick.
         level: level 1 of the new stack at this tick.
         level_goes_on: whether level 1 and its references are those that A followed until now.
@@ -62,12 +65,28 @@ def bridged(
             LinearTask(task.name, task.matrix, task.lower + rest * gap, task.upper + rest * gap)
             for task, gap in zip(level, bridge.epsilon, strict=True)
         )
-    return (first, (follow_chi(source + rest * bridge.delta),))
+    target = source + rest * bridge.delta
+    if bridge.carried is not None:
+        target += bridge.carried
+    return (first, (follow_chi(target),))
 
 
 def follow_chi(target: Vector) -> LinearTask:
     """Return the task chi -> target, shape (n,), T(33)."""
     return LinearTask.equality("follow_chi", np.eye(target.size), target)
+
+
+def goes_on(new: tuple[LinearTask, ...], old: tuple[LinearTask, ...], reach: Vector) -> bool:
+    """Return whether a level asks for what another one asked for, at the same state.
+
+    Less than the joints make up for in one tick needs no bridge: a moving reference is no jump.
+
+    Args:
+        new: the level now.
+        old: the level that A followed until now.
+        reach: how far each joint's velocity may change in one tick, (n,), m/s and rad/s.
+    """
+    return same_rows(new, old) and follows_within(new, old, reach)
 
 
 def follows_within(new: tuple[LinearTask, ...], old: tuple[LinearTask, ...], reach: Vector) -> bool:
@@ -78,18 +97,27 @@ def follows_within(new: tuple[LinearTask, ...], old: tuple[LinearTask, ...], rea
         old: the level as it was asked for before, at the same state: the same tasks.
         reach: how far each joint's velocity may change, m/s and rad/s.
     """
+    pairs = list(zip(new, old, strict=True))
+    lower = np.concatenate([_moved(a.lower, b.lower) for a, b in pairs])
+    upper = np.concatenate([_moved(a.upper, b.upper) for a, b in pairs])
     matrix = np.vstack([task.matrix for task in new])
-    moved = np.concatenate([a.lower - b.lower for a, b in zip(new, old, strict=True)])
-    step = np.linalg.lstsq(matrix, np.nan_to_num(moved), rcond=None)[0]
-    return bool((np.abs(step) <= reach).all())
+    ends = [lower] if np.array_equal(lower, upper) else [lower, upper]
+    return all(
+        not moved.any()
+        or bool((np.abs(np.linalg.lstsq(matrix, moved, rcond=None)[0]) <= reach).all())
+        for moved in ends
+    )
 
 
-def same_level(one: tuple[LinearTask, ...], other: tuple[LinearTask, ...]) -> bool:
-    """Return whether two levels, made linear at the same state, ask for the same."""
+def same_rows(one: tuple[LinearTask, ...], other: tuple[LinearTask, ...]) -> bool:
+    """Return whether two levels, made linear at the same state, have the same rows."""
     return len(one) == len(other) and all(
-        a.name == b.name
-        and np.array_equal(a.matrix, b.matrix)
-        and np.array_equal(a.lower, b.lower)
-        and np.array_equal(a.upper, b.upper)
+        a.name == b.name and np.array_equal(a.matrix, b.matrix)
         for a, b in zip(one, other, strict=True)
     )
+
+
+def _moved(one: Vector, other: Vector) -> Vector:
+    """Return how far ends of intervals have moved, 0 where there is no end."""
+    finite = np.isfinite(one) & np.isfinite(other)
+    return np.where(finite, one, 0.0) - np.where(finite, other, 0.0)

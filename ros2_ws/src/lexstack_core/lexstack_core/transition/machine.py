@@ -14,7 +14,7 @@ from lexstack_core.model import Kinematics
 from lexstack_core.references import References
 from lexstack_core.stack import Stack
 from lexstack_core.transition.blend import Blend
-from lexstack_core.transition.methods import METHODS
+from lexstack_core.transition.methods import BRIDGES, METHODS
 from lexstack_core.transition.plan import Means, Plan
 from lexstack_core.transition.request import Answer, RequestBook, SwitchRequest
 from lexstack_core.transition.sources import LocalSource, Moment, Sources
@@ -25,6 +25,8 @@ from lexstack_core.transition.status import (
     SourceSample,
     TransitionState,
 )
+
+_SAME = 1e-3  # of what a joint's acceleration limit allows in one tick: no difference that is felt
 
 
 class Transition:
@@ -62,6 +64,13 @@ class Transition:
     def target(self) -> Stack:
         """The stack in effect; during a blend the one that A goes to."""
         return self._stack if self._blend is None else self._blend.target
+
+    def governing(self, tick: int) -> tuple[Stack, str]:
+        """Return the stack that this tick serves or goes to, and by what method ('': by none)."""
+        due = self._book.peek(tick) or self._pending
+        if due is not None and self._sources.first(due.id, due.at_tick, tick) is not None:
+            return self._stacks[due.stack], due.method
+        return self.target, "" if self._blend is None else self._blend.request.method
 
     # ---- what comes in between two ticks
 
@@ -110,7 +119,9 @@ class Transition:
         if due is not None:
             return self._sources.fresh(due.id, tick) is None
         blend = self._blend
-        if blend is None or self._sources.fresh(blend.request.id, tick) is not None:
+        if blend is None or blend.takes_over:
+            return False
+        if self._sources.fresh(blend.request.id, tick) is not None:
             return False
         # Once lost, B is waited for again only after it has been heard again.
         return blend.source is Source.ROBOT_B or self._sources.answered_since(
@@ -134,11 +145,12 @@ class Transition:
         before = self._used or references
         self._pending = self._book.due(self._tick) or self._pending
         if self._pending is not None:
-            first = self._sources.first(self._pending.id, self._pending.at_tick, self._tick)
+            level = self._stacks[self._pending.stack].levels[0].linearise(kinematics, references)
+            first = self._sources.first(self._pending.id, self._pending.at_tick, self._tick, level)
             if first is None:
                 references = before
             else:
-                self._begin(self._pending, *first, Moment(kinematics, references, before))
+                self._begin(self._pending, *first, Moment(kinematics, references, before), means)
         self._used = references
         if self._blend is None:
             levels = self._stack.linearise(kinematics, references)
@@ -180,7 +192,9 @@ class Transition:
             self._withdraw(request)
         return dropped
 
-    def _begin(self, request: SwitchRequest, source: Source, why: str, moment: Moment) -> None:
+    def _begin(
+        self, request: SwitchRequest, source: Source, why: str, moment: Moment, means: Means
+    ) -> None:
         """Start to follow: the pending request becomes the blend under way."""
         reason = request.reason
         if self._blend is not None:
@@ -190,28 +204,46 @@ class Transition:
         self._id, self._from, self._pending = request.id, self._stack.name, None
         chi = self._sources.chi(source, request.id, request.stack, moment)
         stacks = (self.target, self._stacks[request.stack])
-        self._blend = Blend.latched(request, stacks, (source, chi), moment, self._blend)
+        self._blend = Blend.latched(request, stacks, (source, chi), moment, self._blend, means)
 
     def _go_on(self, blend: Blend, moment: Moment, means: Means) -> Plan:
         """Return what A solves in a blend; latch anew where the source or level 1 changed."""
-        request = blend.request
-        source, why = self._sources.present(blend.source, request.id, moment.tick)
-        self._reason = why or self._reason
+        request, source = blend.request, blend.source
+        level = blend.target.levels[0].linearise(moment.kinematics, moment.references)
+        if not blend.takes_over:
+            source, why = self._sources.present(blend.source, request.id, moment.tick, level)
+            self._reason = why or self._reason
         chi = self._sources.chi(source, request.id, request.stack, moment)
-        if source is not blend.source or blend.level_jumps(moment, means.bounds):
+        if source is not blend.source or blend.level_jumps(level, moment, means):
             stacks = (blend.origin, blend.target)
-            blend = Blend.latched(request, stacks, (source, chi), moment, blend)
-            self._announce(request)  # the end that it was told is no longer right
-        pace = (self._config, means.limits, self._dt)
-        blend = self._blend = blend.advanced(chi, moment.tick, *pace)
-        part = blend.progress.alpha
-        if (
-            part < 1.0 <= blend.advanced(chi, moment.tick + 1, *pace).progress.alpha
-            and self._adopts
-        ):
-            # Told one tick ahead, so that the source never solves for nothing.
-            self._withdraw(request, from_tick=moment.tick + 2)
-        return Plan(blend.problem(moment, means), chi, part)
+            blend = Blend.latched(request, stacks, (source, chi), moment, blend, means)
+            if not blend.takes_over:
+                self._announce(request)  # the end that it was told is no longer right
+        blend = blend.advanced(chi, moment.tick, means)
+        if self._adopts and source is Source.ROBOT_B:
+            if blend.progress.alpha >= 1.0:
+                blend = self._taken_over(blend, moment, means)
+            elif blend.advanced(chi, moment.tick + 1, means).progress.alpha >= 1.0:
+                # Told one tick ahead, so that the source never solves for nothing.
+                self._withdraw(request, from_tick=moment.tick + 2)
+        self._blend = blend
+        problem = blend.problem(level, moment, means)
+        return Plan(problem, blend.source_chi, blend.progress.alpha)
+
+    def _taken_over(self, blend: Blend, moment: Moment, means: Means) -> Blend:
+        """Return how A goes on at the end: as it is where its own optimum is B's, else to it."""
+        request = blend.request
+        if request.method not in BRIDGES:
+            return blend
+        own = self._sources.chi(Source.LOCAL, request.id, request.stack, moment)
+        apart = np.abs(own - blend.source_chi)
+        if (apart <= _SAME * means.limits.acceleration * self._dt).all():
+            return blend
+        self._reason = (
+            f"robot B's chi at tick {moment.tick} is {apart.max():.2g} off robot A's own: "
+            "robot A blends on to its own"
+        )
+        return blend.taken_over(own, moment.tick, self._dt)
 
     def _adopt(self, blend: Blend) -> None:
         """Take the new stack over; the source may rest."""

@@ -35,6 +35,7 @@ class Means:
         free: the box without acceleration limits, T(35).
         solve: solves a further problem; its chi has shape (n,).
         limits: of the joints.
+        dt: control period [s].
     """
 
     bounds: Bounds
@@ -42,3 +43,9 @@ class Means:
     free: Callable[[], Bounds]
     solve: Callable[[HqpProblem], Vector]
     limits: JointLimits
+    dt: float
+
+    @property
+    def reach(self) -> Vector:
+        """How far each joint's velocity may change in one tick, shape (n,), m/s and rad/s."""
+        return 0.5 * (self.bounds.upper - self.bounds.lower)

@@ -21,6 +21,7 @@ class SwitchRequest:
         stack: the stack to go to.
         duration: of the blend [s].
         method: of the transition.
+        profile: of alpha.
         at_tick: the tick at which the blend starts, if the source's solution is there.
         reason: why, where it is not a user's wish: empty, or one line.
     """
@@ -29,6 +30,7 @@ class SwitchRequest:
     stack: str
     duration: float
     method: str
+    profile: str
     at_tick: int
     reason: str = ""
 
@@ -53,6 +55,7 @@ class RequestBook:
         self._methods = methods
         self._duration = defaults.duration
         self._method: str = defaults.method
+        self._profile: str = defaults.profile
         self._scheduled: list[SwitchRequest] = []
         self._count = 0
 
@@ -82,6 +85,7 @@ class RequestBook:
             stack,
             duration or self._duration,
             method or self._method,
+            self._profile,
             at_tick or now + 1,
             reason,
         )

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from lexstack_core.config.scenario import ScenarioConfig
-from lexstack_core.linear import Vector
+from lexstack_core.linear import LinearTask, Vector
 from lexstack_core.model import Kinematics
 from lexstack_core.references import References
 from lexstack_core.stack import Stack
 from lexstack_core.transition.status import Source, SourceSample
+
+Rows = tuple[LinearTask, ...]
+_ROUNDING = 1e-6  # relative and absolute, of the norm of level 1's residual
 
 
 class LocalSource(Protocol):
@@ -57,6 +61,7 @@ class Sources:
         self._heard: SourceSample | None = None
         # In lockstep the wait has happened, on the wall's clock, before a tick is served.
         lockstep, timeouts = scenario.mode == "lockstep", scenario.timeouts
+        self._lockstep = lockstep
         self._stale = 0 if lockstep else round(timeouts.source_stale * scenario.rate)
         self._patience = 0 if lockstep else round(timeouts.source_patience * scenario.rate)
 
@@ -81,19 +86,46 @@ class Sources:
             and heard.tick > tick
         )
 
-    def first(self, transition_id: int, asked_at: int, tick: int) -> tuple[Source, str] | None:
-        """Return whom to follow into a new stack and why, or None while the wait goes on."""
+    def wrong_by(self, tick: int, level: Rows) -> float:
+        """Return by how much the chi of this very tick misses what its source says of level 1.
+
+        A solves level 1 from the same state, so it can tell whether a chi that claims to be of
+        this tick is. In realtime a new target may reach the two robots at different ticks, and
+        chi is older: there the age alone counts.
+        """
+        heard = self._heard
+        if not self._lockstep or heard is None or heard.tick != tick or heard.slack is None:
+            return 0.0
+        residual = sum(float(r.dot(r)) for r in (task.residual(heard.chi) for task in level))
+        miss = abs(math.sqrt(residual) - heard.slack)
+        return 0.0 if miss <= _ROUNDING * (1.0 + heard.slack) else miss
+
+    def first(
+        self, transition_id: int, asked_at: int, tick: int, level: Rows = ()
+    ) -> tuple[Source, str] | None:
+        """Return whom to follow into a new stack and why, or None while the wait goes on.
+
+        ``level`` is level 1 of the new stack at this tick.
+        """
         if self.fresh(transition_id, tick) is not None:
-            return Source.ROBOT_B, ""
+            miss = self.wrong_by(tick, level) if level else 0.0
+            return (self._lost, _wrong(tick, miss, self._lost)) if miss else (Source.ROBOT_B, "")
         if tick - asked_at >= self._patience:
             return self._lost, f"robot B sent no chi by tick {tick}: {_instead(self._lost)}"
         return None
 
-    def present(self, source: Source, transition_id: int, tick: int) -> tuple[Source, str]:
-        """Return whom to follow now, and why where it is no longer ``source``, else ''."""
+    def present(
+        self, source: Source, transition_id: int, tick: int, level: Rows
+    ) -> tuple[Source, str]:
+        """Return whom to follow now, and why where it is no longer ``source``, else ''.
+
+        ``level`` is level 1 of the new stack at this tick.
+        """
         if self.fresh(transition_id, tick) is not None:
-            changed = source is not Source.ROBOT_B
-            return Source.ROBOT_B, f"robot B is back at tick {tick}" if changed else ""
+            changed, miss = source is not Source.ROBOT_B, self.wrong_by(tick, level)
+            if not miss:
+                return Source.ROBOT_B, f"robot B is back at tick {tick}" if changed else ""
+            return (source, "") if changed else (self._lost, _wrong(tick, miss, self._lost))
         if source is not Source.ROBOT_B:
             return source, ""
         heard = "nothing" if self._heard is None else f"tick {self._heard.tick}"
@@ -116,6 +148,11 @@ class Sources:
     def at_rest(self, stack: str) -> Stack:
         """Return the stack that A adopts when it has come to minimum velocity."""
         return self._local.at_rest(stack)
+
+
+def _wrong(tick: int, miss: float, instead: Source) -> str:
+    """Return what is said of a chi that is not what it claims to be."""
+    return f"robot B's chi at tick {tick} misses level 1 by {miss:.2g}: {_instead(instead)}"
 
 
 def _instead(source: Source) -> str:

@@ -66,12 +66,14 @@ class SourceSample:
         tick: the tick whose state it was solved for.
         chi: shape (n,), finite.
         solved: whether every level was solved.
+        slack: the norm of level 1's residual at chi, as the source says; None where it does not.
     """
 
     transition_id: int
     tick: int
     chi: Vector
     solved: bool
+    slack: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

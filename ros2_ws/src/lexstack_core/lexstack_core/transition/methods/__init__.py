@@ -10,6 +10,7 @@ from lexstack_core.transition.methods.weights import weights
 
 METHODS: dict[str, Method] = {
     "bridge": bridge,
+    "bridge_jerk": bridge,
     "t37": t37,
     "t34": t34,
     "instant": instant,
@@ -20,4 +21,10 @@ METHODS: dict[str, Method] = {
 }
 """The first is the default; the others are there to compare with."""
 
-__all__ = ["METHODS", "Levels", "Method", "View"]
+BRIDGES = frozenset({"bridge", "bridge_jerk"})
+"""Those that fade a gap out wherever it comes from: also one that is left at the end."""
+
+JERK_LIMITED = frozenset({"bridge_jerk"})
+"""Those during which A's box keeps jerk limits too."""
+
+__all__ = ["BRIDGES", "JERK_LIMITED", "METHODS", "Levels", "Method", "View"]

@@ -11,19 +11,27 @@ from lexstack_core.transition.methods.view import Levels, View
 def activation(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     """Return both stacks, level by level, the old fading out and the new fading in.
 
-    A task that is partly active asks for h b + (1 - h) A chi*, with h its activation and chi* the
-    optimum of the levels above: at h = 0 it asks for what they give anyway. One further problem
-    is solved for each level that comes or goes.
+    A task that is partly active asks for h b + (1 - h) A chi, with h its activation and chi the
+    optimum of the hierarchy without it: at h = 0 it asks for what is there anyway. Without what
+    comes that hierarchy is the old stack, without what goes the new one; both are solved beside,
+    without acceleration limits, T(35).
     """
+    new, old, free = view.new(), view.old(), view.free()
+    without_coming = view.solve(HqpProblem(old, free))
+    without_going = view.solve(HqpProblem(new, free))
     levels: Levels = ()
-    for new, old in _pairs(view.new(), view.old()):
-        level = tuple(task for task in new if task.name in {other.name for other in old})
-        coming = tuple(task for task in new if task not in level)
-        going = tuple(task for task in old if task.name not in {other.name for other in new})
-        if coming or going:
-            above = view.solve(HqpProblem(levels, view.bounds))
-            level += tuple(_partly(task, alpha, above) for task in coming)
-            level += tuple(_partly(task, 1.0 - alpha, above) for task in going if alpha < 1.0)
+    for arriving, leaving in _pairs(new, old):
+        kept = {task.name for task in arriving} & {task.name for task in leaving}
+        level = tuple(task for task in arriving if task.name in kept)
+        level += tuple(
+            _partly(task, alpha, without_coming) for task in arriving if task.name not in kept
+        )
+        if alpha < 1.0:
+            level += tuple(
+                _partly(task, 1.0 - alpha, without_going)
+                for task in leaving
+                if task.name not in kept
+            )
         levels = (*levels, level) if level else levels
     return HqpProblem(levels, view.bounds)
 
@@ -35,7 +43,7 @@ def _pairs(new: Levels, old: Levels) -> list[tuple[tuple[LinearTask, ...], ...]]
 
 
 def _partly(task: LinearTask, active: float, chi: Vector) -> LinearTask:
-    """Return a task with its activation in [0, 1], given the optimum of the levels above."""
+    """Return a task with its activation in [0, 1], given what the others give, chi."""
     value = (1.0 - active) * (task.matrix @ chi)
     return LinearTask(
         task.name, task.matrix, active * task.lower + value, active * task.upper + value

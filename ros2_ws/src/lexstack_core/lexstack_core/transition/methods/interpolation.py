@@ -10,7 +10,8 @@ from lexstack_core.transition.methods.view import View
 def interpolation(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     """Return (1 - alpha) chi_old + alpha chi_S: the old stack is solved beside the new one.
 
-    No optimum of anything in between; on pre-emption it starts from the old stack again.
+    Both are targets without acceleration limits, T(35); their mean then is within A's own. No
+    optimum of anything in between; on pre-emption it starts from the old stack again.
     """
-    old = view.solve(HqpProblem(view.old(), view.bounds))
+    old = view.solve(HqpProblem(view.old(), view.free()))
     return HqpProblem(((follow_chi((1.0 - alpha) * old + alpha * view.source),),), view.bounds)
