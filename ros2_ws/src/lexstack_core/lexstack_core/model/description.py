@@ -54,6 +54,9 @@ def build_arm(config: RobotConfig) -> pin.Model:
             f"robot {config.name}: joints {arm.joints} are not the movable joints of {path.name} "
             f"in order: {tuple(model.names[1:])}"
         )
+    for frame in model.frames:
+        if frame.name == "base":  # the URDF of the UR10 has one; ours is the platform's
+            frame.name = "arm_base"
     return model
 
 

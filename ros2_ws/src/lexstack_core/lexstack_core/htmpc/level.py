@@ -1,0 +1,206 @@
+"""One level of Algorithm 2: SQP on H(9), with the line search of H(13)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lexstack_core.config.htmpc import HtmpcConfig
+from lexstack_core.htmpc.lexicographic import Guard
+from lexstack_core.htmpc.objectives import Task
+from lexstack_core.htmpc.program import Iterate, Program, Quadratic
+from lexstack_core.htmpc.qp import CondensedQp
+from lexstack_core.htmpc.status import LevelStatus, Outcome
+from lexstack_core.linear import Matrix, Vector
+
+_CONVERGED = 1e-10  # of the cost: a step that promises less is no step
+_ROUNDS = 50  # of adding hard limits that a solution breaks
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """What one iteration came to: the iterate after it, and how."""
+
+    iterate: Iterate
+    outcome: Outcome
+    alpha: float
+    trials: int
+    blocked_by: str
+    qp: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rows:
+    """Linear constraints on the step: lower <= matrix d <= upper, shapes (r, N n), (r,), (r,)."""
+
+    matrix: Matrix
+    lower: Vector
+    upper: Vector
+
+
+class Level:
+    """One task below its guards."""
+
+    def __init__(
+        self, config: HtmpcConfig, program: Program, task: Task, guards: tuple[Guard, ...]
+    ) -> None:
+        """Take the level's task, and the constraints of the levels above, highest first."""
+        self._config = config
+        self._program = program
+        self._task = task
+        self._guards = guards
+
+    def solve(self, start: Iterate) -> tuple[Iterate, LevelStatus]:
+        """Return the last iterate, and how it was reached."""
+        steps: list[_Step] = []
+        iterate = start
+        first = self._program.cost(start, self._task)
+        for _ in range(self._config.iterations):
+            step = self._step(iterate)
+            steps.append(step)
+            iterate = step.iterate
+            if step.outcome is not Outcome.STEPPED:
+                break
+        last = self._program.cost(iterate, self._task)
+        return iterate, self._status(steps, first - last, iterate)
+
+    def _status(self, steps: list[_Step], decrease: float, iterate: Iterate) -> LevelStatus:
+        """Return the level's status: its last iteration decides, but a step stays a step."""
+        outcome = steps[-1].outcome
+        if outcome is Outcome.BLOCKED and len(steps) > 1:
+            outcome = Outcome.STEPPED
+        return LevelStatus(
+            level=len(self._guards),
+            name=self._task.objective.name,
+            outcome=outcome,
+            iterations=len(steps),
+            steps=tuple(step.alpha for step in steps),
+            trials=sum(step.trials for step in steps),
+            blocked_by=next((s.blocked_by for s in reversed(steps) if s.blocked_by), ""),
+            qp=steps[-1].qp,
+            cost=self._task.cost(self._task.error(iterate.at)),
+            decrease=decrease,
+        )
+
+    def _step(self, iterate: Iterate) -> _Step:
+        """Do one iteration of SQP."""
+        cost = self._program.cost(iterate, self._task)
+        quadratic = self._program.quadratic(iterate, self._task)
+        if not (np.isfinite(cost) and np.isfinite(quadratic.gradient).all()):
+            return _Step(iterate, Outcome.FAILED, 0.0, 0, "", "not tried: a cost is not finite")
+        direction, word = self._direction(iterate, quadratic)
+        if word != "solved":
+            return _Step(iterate, Outcome.FAILED, 0.0, 0, "", word)
+        slope = float(quadratic.gradient @ direction)
+        if -slope <= _CONVERGED * max(1.0, abs(cost)):
+            return _Step(iterate, Outcome.CONVERGED, 0.0, 0, "", word)
+        return self._search(iterate, direction.reshape(iterate.u.shape), cost, slope)
+
+    def _search(self, iterate: Iterate, direction: Matrix, cost: float, slope: float) -> _Step:
+        """Backtrack until the cost falls enough and no guard is violated, H(13)."""
+        rules = self._config.line_search
+        alpha, refused = 1.0, ""
+        for trial in range(1, rules.trials + 1):
+            tried = self._program.iterate(iterate.u + alpha * direction)
+            verdict = self._refusal(tried, cost + rules.descent * alpha * slope)
+            if not verdict:
+                return _Step(tried, Outcome.STEPPED, alpha, trial, refused, "solved")
+            refused = verdict
+            alpha *= rules.beta
+        return _Step(iterate, Outcome.BLOCKED, 0.0, rules.trials, refused, "solved")
+
+    def _refusal(self, tried: Iterate, limit: float) -> str:
+        """Return why a trial is not taken; empty if it is."""
+        for guard in self._guards:
+            excess, where = guard.excess(guard.task.error(tried.at))
+            if not excess <= 0.0:
+                return where
+        cost = self._program.cost(tried, self._task)
+        if not np.isfinite(cost):
+            return "not finite"
+        return "" if cost <= limit else "descent"
+
+    def _direction(self, iterate: Iterate, quadratic: Quadratic) -> tuple[Vector, str]:
+        """Return the step of the QP, shape (N n,), and its solver's word."""
+        qp = CondensedQp(quadratic.hessian)
+        if qp.word != "solved":
+            return np.zeros(iterate.u.size), qp.word
+        center = qp.center(quadratic.gradient)
+        rows = self._rows(iterate)
+        white = qp.whiten(rows.matrix)
+        direction, word = self._within_limits(iterate, qp, center, rows, white)
+        if word == "solved" and self._config.correction and self._guards:
+            tried = self._program.iterate(iterate.u + direction.reshape(iterate.u.shape))
+            bent = self._values(tried) - self._values(iterate) - rows.matrix @ direction
+            moved = _opened(rows.matrix, rows.lower - bent, rows.upper - bent)
+            corrected, again = self._within_limits(iterate, qp, center, moved, white)
+            if again == "solved":
+                direction = corrected
+        return direction, word
+
+    def _within_limits(
+        self, iterate: Iterate, qp: CondensedQp, center: Vector, rows: _Rows, white: Matrix
+    ) -> tuple[Vector, str]:
+        """Solve, and again with the hard limits that the solution breaks, until it breaks none."""
+        direction, word = qp.solve(center, white, rows.lower, rows.upper)
+        hard = self._program.hard
+        if hard is None:
+            return direction, word
+        values = hard.values(iterate.u)
+        low, high = hard.lower - values, hard.upper - values
+        low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
+        known = np.zeros(values.shape, dtype=bool)
+        lower, upper = rows.lower, rows.upper
+        for _ in range(_ROUNDS):
+            if word != "solved":
+                return direction, word
+            places = hard.violated(iterate.u + direction.reshape(iterate.u.shape))
+            fresh = ~known[places]
+            if not fresh.any():
+                return direction, word
+            places = tuple(place[fresh] for place in places)
+            known[places] = True
+            added = hard.rows(places) * self._masked(iterate.u.shape)
+            white = np.concatenate((white, qp.whiten(added)))
+            lower = np.concatenate((lower, low[places]))
+            upper = np.concatenate((upper, high[places]))
+            direction, word = qp.solve(center, white, lower, upper)
+        return direction, "hard limits: too many rounds"
+
+    def _rows(self, iterate: Iterate) -> _Rows:
+        """Return the guards made linear; a step of zero is always allowed."""
+        if not self._guards:
+            none = np.zeros(0)
+            return _Rows(np.zeros((0, iterate.u.size)), none, none)
+        matrices, lower, upper = [], [], []
+        mask = self._masked(iterate.u.shape)
+        for guard in self._guards:
+            error = guard.task.error(iterate.at)
+            value = guard.value(error)
+            matrices.append(guard.rows(iterate.at, error) * mask)
+            lower.append(guard.lower - value)
+            upper.append(guard.upper - value)
+        return _opened(
+            matrices[0] if len(matrices) == 1 else np.concatenate(matrices),
+            np.concatenate(lower),
+            np.concatenate(upper),
+        )
+
+    def _values(self, iterate: Iterate) -> Vector:
+        """Return the values of all guards, one after the other."""
+        return np.concatenate([g.value(g.task.error(iterate.at)) for g in self._guards])
+
+    def _masked(self, shape: tuple[int, int]) -> Matrix | float:
+        """Return 1 where the level may change an input, else 0, shape (N n,)."""
+        if self._task.moving.all():
+            return 1.0
+        return np.tile(self._task.moving, shape[0])
+
+
+def _opened(matrix: Matrix, lower: Vector, upper: Vector) -> _Rows:
+    """Return rows that a step of zero satisfies: bounds are opened as far as they exclude it.
+
+    An iterate may violate a guard by up to delta; to demand its way back would leave no descent.
+    """
+    return _Rows(matrix, np.minimum(lower, 0.0), np.maximum(upper, 0.0))

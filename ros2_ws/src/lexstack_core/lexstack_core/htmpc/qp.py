@@ -1,0 +1,80 @@
+"""The condensed QP of one SQP iteration, as a least-distance problem for DAQP.
+
+    min g.d + d.H d / 2    subject to    lower <= A d <= upper
+
+With H = R^T R and y = R d + R^-T g it becomes min |y|^2 / 2 with rows A R^-1, which is DAQP's own
+form: LAPACK factors, DAQP finds the active set among few rows and never sees H.
+"""
+
+from __future__ import annotations
+
+import daqp
+import numpy as np
+from scipy.linalg import lapack
+
+from lexstack_core.linear import Matrix, Vector
+
+_FAR = 1e30  # DAQP's infinity
+_ITERATIONS = 2000
+_TOLERANCE = 1e-9
+_WORDS = {
+    -1: "infeasible",
+    -2: "cycling",
+    -3: "unbounded",
+    -4: "iteration limit",
+    -5: "not convex",
+    -6: "overdetermined working set",
+}
+
+
+class CondensedQp:
+    """One factored H; gradients, rows and bounds come later."""
+
+    def __init__(self, hessian: Matrix) -> None:
+        """Factor H, shape (m, m), positive definite; it is overwritten."""
+        # The transpose of a symmetric matrix is itself, and in the order that LAPACK wants.
+        self._factor, self._info = lapack.dpotrf(hessian.T, clean=0, overwrite_a=1)
+
+    @property
+    def word(self) -> str:
+        """``solved``, or why H could not be factored."""
+        return "solved" if self._info == 0 else "the Hessian is not positive definite"
+
+    def whiten(self, rows: Matrix) -> Matrix:
+        """Return A R^-1 for rows A, both shape (r, m)."""
+        solved, _ = lapack.dtrtrs(self._factor, rows.T, trans=1)
+        return np.asarray(solved.T)
+
+    def center(self, gradient: Vector) -> Vector:
+        """Return R^-T g, shape (m,)."""
+        return np.asarray(lapack.dtrtrs(self._factor, gradient, trans=1)[0])
+
+    def solve(
+        self, center: Vector, rows: Matrix, lower: Vector, upper: Vector
+    ) -> tuple[Vector, str]:
+        """Return d, shape (m,), and ``solved`` or the reason why it is not the optimum.
+
+        Args:
+            center: of ``center``.
+            rows: of ``whiten``, shape (r, m).
+            lower: shape (r,); -inf is legal.
+            upper: shape (r,); inf is legal.
+        """
+        if not len(rows):
+            return self._back(-center), self.word
+        shift = rows @ center
+        y, _, flag, _ = daqp.solve(
+            None,
+            None,
+            np.ascontiguousarray(rows),
+            np.minimum(upper + shift, _FAR),
+            np.maximum(lower + shift, -_FAR),
+            iter_limit=_ITERATIONS,
+            primal_tol=_TOLERANCE,
+        )
+        word = "solved" if flag > 0 else _WORDS.get(flag, f"exit flag {flag}")
+        return self._back(y - center), word
+
+    def _back(self, whitened: Vector) -> Vector:
+        """Return R^-1 y."""
+        return np.asarray(lapack.dtrtrs(self._factor, whitened)[0])
