@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from lexstack_core import braking
-from lexstack_core.bounds import JointLimits, approach_speed, viable_bounds
+from lexstack_core.bounds import JointLimits, approach_speed, is_viable, viable_bounds
 from lexstack_core.jerk import JerkLaw
 
 N = 20
@@ -79,6 +79,28 @@ def viable_start(rng, limits, dt):
         take = (v == 0.0) & viable(q, speed, change, limits, dt)
         v, w = np.where(take, speed, v), np.where(take, change, w)
     return q, v, w
+
+
+@settings(max_examples=100, derandomize=True, deadline=None)
+@given(seed=SEEDS, dt=PERIODS)
+def test_a_state_is_told_viable_if_it_is(seed, dt):
+    rng = np.random.default_rng(seed)
+    limits = random_limits(rng)
+    low, high = (np.clip(x, -5.0, 5.0) for x in (limits.position_lower, limits.position_upper))
+    q = low + rng.uniform(-0.05, 1.05, N) * (high - low)
+    v = limits.velocity * rng.uniform(-1.2, 1.2, N) * rng.choice([1e-3, 1e-2, 0.1, 1.0], N)
+    w = law_of(limits, dt).usable * dt * rng.uniform(-1.1, 1.1, N)
+    told = is_viable(q, limits, dt, v, w / dt)
+    assert np.all(told[viable(q, v, w, limits, dt)])
+    wider = JointLimits(
+        limits.position_lower - 1e-8 * (1.0 + np.abs(v) / dt),
+        limits.position_upper + 1e-8 * (1.0 + np.abs(v) / dt),
+        limits.velocity + 1e-8 * (1.0 + limits.jerk * dt),
+        limits.acceleration,
+        limits.jerk,
+    )
+    least = np.clip(w, -law_of(wider, dt).usable * dt, law_of(wider, dt).usable * dt)
+    assert np.all(viable(q, v, least, wider, dt)[told])
 
 
 def chosen(habit, rng, box, step):

@@ -131,8 +131,8 @@ def test_the_tests_above_can_fail(fault, monkeypatch):
     }
     if fault == "acceleration":
         monkeypatch.setattr(
-            "lexstack_core.controller.viable_bounds",
-            lambda q, limits, dt, applied, sent=None: viable_bounds(q, limits, 1e3 * dt, applied),
+            "lexstack_core.in_force.viable_bounds",
+            lambda q, limits, dt, applied, *_: viable_bounds(q, limits, 1e3 * dt, applied),
         )
         test = test_feasible_and_within_acceleration_limits_at_every_tick
     else:

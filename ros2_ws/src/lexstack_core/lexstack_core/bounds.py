@@ -29,11 +29,21 @@ from lexstack_core.errors import ModelError
 from lexstack_core.jerk import JerkLaw
 from lexstack_core.linear import Vector
 
-__all__ = ["Bounds", "JointLimits", "approach_speed", "target_bounds", "viable_bounds"]
+__all__ = [
+    "Bounds",
+    "JointLimits",
+    "approach_speed",
+    "can_stop",
+    "is_viable",
+    "target_bounds",
+    "viable_bounds",
+]
 
 # Stands for an infinite position limit: far enough that the velocity limit decides, near enough
 # that 2 a d does not overflow.
 _FAR = 1e100
+
+_KEPT = 1e-9  # m, rad, m/s, rad/s: a limit exceeded by no more is kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +179,47 @@ def target_bounds(position: Vector, limits: JointLimits, dt: float) -> Bounds:
     """
     box = _stoppable(position, limits, dt)
     return _frozen(box[: position.size], box[position.size :])
+
+
+def is_viable(
+    position: Vector, limits: JointLimits, dt: float, applied: Vector, acceleration: Vector
+) -> NDArray[np.bool_]:
+    """Return which joints can keep all their limits from this state on, shape (n,).
+
+    The arguments are those of ``can_stop``.
+    """
+    sides = can_stop(position, limits, dt, applied, acceleration)
+    viable = sides[: position.size] & sides[position.size :]
+    slow = np.abs(applied) <= limits.velocity + limits.acceleration * dt + _KEPT
+    law, free = _jerk_law(limits, dt)
+    if law is None:
+        return viable & slow
+    with_jerk = law.viable(position, applied, acceleration * dt)
+    return with_jerk if free is None else np.where(free, viable & slow, with_jerk)
+
+
+def can_stop(
+    position: Vector, limits: JointLimits, dt: float, applied: Vector, acceleration: Vector | None
+) -> NDArray[np.bool_]:
+    """Return which joints can stop in front of their lower, then their upper limits, (2n,).
+
+    Args:
+        position: q*, shape (n,), m and rad.
+        limits: of all robots; where jerk is infinite, the acceleration of the last tick is free.
+        dt: control period [s].
+        applied: the velocity that the plant applied last, shape (n,).
+        acceleration: of the last tick, shape (n,), m/s^2 and rad/s^2; None: jerk is not limited.
+    """
+    room = limits.walls - np.concatenate((position, position))
+    room[: position.size] *= -1.0
+    speed = np.concatenate((-applied, applied))
+    stops: NDArray[np.bool_] = room >= -_KEPT
+    stops &= speed <= approach_speed(room, limits.rates, dt) + limits.rates * dt + _KEPT
+    law, free = _jerk_law(limits, dt)
+    if acceleration is None or law is None:
+        return stops
+    with_jerk = law.stops(position, applied, acceleration * dt)
+    return with_jerk if free is None else np.where(np.tile(free, 2), stops, with_jerk)
 
 
 def _without_jerk(

@@ -15,6 +15,7 @@ from lexstack_core.linear import Vector
 _FAR = 1e100  # a speed beyond this is none
 _PASSES = 50  # of the search, which has not been seen to need more than seven
 _ROUNDING = 1e-12  # of the search, relative
+_KEPT = 1e-9  # of the room, relative: exceeded by no more it is kept
 
 
 def approach_speed(room: Vector, rate: Vector, dt: float) -> Vector:
@@ -61,6 +62,11 @@ def look_ahead(room: float, speed: float, used: float, least: float, largest: fl
         if goes - room <= _ROUNDING * (used + room):
             return change
     return least
+
+
+def keeps_room(room: float, speed: float, used: float, change: float) -> bool:
+    """Return whether F(v, w') <= d / dt, within rounding; in units of S."""
+    return speed <= _FAR and _goes(speed, used, change)[0] - room <= _KEPT * (used + abs(room))
 
 
 def _goes(speed: float, used: float, change: float) -> tuple[float, float]:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.controller import Controller
-from lexstack_core.hqp import make_solver
+from lexstack_core.hqp import SolverFactory, make_solver
+from lexstack_core.in_force import LimitOptions
 from lexstack_core.model import Team
 from lexstack_core.references import ReferenceSchedule
 from lexstack_core.stack import Stack, build_stack
@@ -35,18 +36,25 @@ def build_references(resolved: ResolvedScenario, team: Team) -> ReferenceSchedul
     return ReferenceSchedule.from_scenario(resolved.scenario, team, team.home(resolved))
 
 
-def build_stack_solver(resolved: ResolvedScenario, parts: Parts) -> StackSolver:
-    """Return robot B's solver."""
-    return StackSolver(parts.team, parts.stacks, make_solver(resolved.scenario.solver), parts.dt)
+def build_stack_solver(
+    resolved: ResolvedScenario, parts: Parts, solver: SolverFactory | None = None
+) -> StackSolver:
+    """Return robot B's solver; ``solver`` makes another than the scenario's."""
+    made = solver() if solver else make_solver(resolved.scenario.solver)
+    return StackSolver(parts.team, parts.stacks, made, parts.dt)
 
 
-def build_controller(resolved: ResolvedScenario, parts: Parts) -> Controller:
-    """Return robot A's controller."""
-    local = build_stack_solver(resolved, parts)
+def build_controller(
+    resolved: ResolvedScenario, parts: Parts, solver: SolverFactory | None = None
+) -> Controller:
+    """Return robot A's controller; ``solver`` makes other ones than the scenario's."""
+    local = build_stack_solver(resolved, parts, solver)
     return Controller(
         parts.team,
         build_references(resolved, parts.team),
         Transition(parts.stacks, local, resolved.scenario),
-        make_solver(resolved.scenario.solver),
-        parts.dt,
+        solver() if solver else make_solver(resolved.scenario.solver),
+        LimitOptions(
+            parts.dt, resolved.scenario.limit_jerk, resolved.scenario.transition.limits_move
+        ),
     )

@@ -7,13 +7,15 @@ from time import perf_counter
 
 import numpy as np
 
-from lexstack_core.bounds import Bounds, target_bounds, viable_bounds
+from lexstack_core.bounds import Bounds, target_bounds
 from lexstack_core.hqp import HqpSolver, Solution
+from lexstack_core.in_force import LimitOptions, LimitsInForce
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
 from lexstack_core.references import ReferenceSchedule
 from lexstack_core.state import RobotState
 from lexstack_core.transition.machine import Transition
+from lexstack_core.transition.methods import JERK_LIMITED
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.status import TransitionState
 
@@ -56,14 +58,15 @@ class Controller:
         references: ReferenceSchedule,
         transition: Transition,
         solver: HqpSolver,
-        dt: float,
+        options: LimitOptions,
     ) -> None:
-        """Put the parts together; ``dt`` is the control period [s]."""
+        """Put the parts together; ``options`` say how limits are kept."""
         self.references = references
         self.transition = transition
         self._team = team
         self._solver = solver
-        self._dt = dt
+        self._dt = options.dt
+        self._in_force = LimitsInForce(team.limits, options)
         self._sent: Vector | None = None
         self._bounds: Bounds | None = None
         self._warm: Solution | None = None
@@ -75,15 +78,16 @@ class Controller:
         """
         begun = perf_counter()
         kinematics = self._team.kinematics(state)
-        bounds = viable_bounds(
-            state.q_star, self._team.limits, self._dt, state.command, sent=self._sent
-        )
+        stack, method = self.transition.governing(state.tick)
+        wanted = stack.limits or self._team.limits
+        limits, bounds = self._in_force.at(state, wanted, self._sent, jerk=method in JERK_LIMITED)
         means = Means(
             bounds,
             self._bounds or bounds,
-            free=lambda: target_bounds(state.q_star, self._team.limits, self._dt),
+            free=lambda: target_bounds(state.q_star, wanted, self._dt),
             solve=lambda problem: self._solver.solve(problem).chi,
-            limits=self._team.limits,
+            limits=limits,
+            dt=self._dt,
         )
         plan = self.transition.step(kinematics, self.references.at(state.stamp), means)
         bounds = self._bounds = plan.problem.bounds
@@ -91,12 +95,12 @@ class Controller:
         chi, fallback = checked(solution, bounds)
         self._warm = None if fallback else solution
         self._sent = chi
-        stack = self.transition.target.name
+        name = self.transition.target.name
         told = self.transition.finish(plan, chi)
         return Command(
             state.tick,
             state.stamp,
-            stack,
+            name,
             chi,
             bounds,
             solution.slacks,

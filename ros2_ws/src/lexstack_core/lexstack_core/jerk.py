@@ -34,10 +34,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_core.braking import approach_speed, look_ahead
+from lexstack_core.braking import approach_speed, keeps_room, look_ahead
 from lexstack_core.linear import Vector
 
 _FAR = 1e100  # stands for infinite room: its square does not overflow
+_KEPT = 1e-9  # m, rad, and relative: a limit exceeded by no more is kept
 
 
 class JerkLaw:
@@ -101,6 +102,37 @@ class JerkLaw:
             middle = 0.5 * (least + largest)
             return np.where(crossed, middle, least), np.where(crossed, middle, largest)
         return least, largest
+
+    def viable(self, position: Vector, velocity: Vector, change: Vector) -> NDArray[np.bool_]:
+        """Return which joints can keep all limits from this state on, shape (n,).
+
+        Args:
+            position: q*, shape (n,).
+            velocity: of the last step, shape (n,).
+            change: of the velocity in the last step, shape (n,).
+        """
+        n = position.size
+        speed, last = np.concatenate((-velocity, velocity)), np.concatenate((-change, change))
+        keeps = self.stops(position, velocity, change)
+        brake = np.maximum(last - self._step, -self._used)
+        keeps &= brake <= approach_speed(self._speed - speed, self._step, 1.0) + _KEPT * self._step
+        keeps &= np.abs(last) <= self._used * (1.0 + _KEPT)
+        return keeps[:n] & keeps[n:]
+
+    def stops(self, position: Vector, velocity: Vector, change: Vector) -> NDArray[np.bool_]:
+        """Return which joints can stop in front of the lower, then of the upper limits, (2n,).
+
+        The arguments are those of ``viable``.
+        """
+        room = self._walls - np.concatenate((-position, position)) / self._dt
+        speed, last = np.concatenate((-velocity, velocity)), np.concatenate((-change, change))
+        brake = np.maximum(last - self._step, -self._used)
+        holds: NDArray[np.bool_] = room >= -_KEPT / self._dt
+        near = np.flatnonzero(holds & ~(self._goes_at_most(speed, brake) <= room))
+        columns = (x[near] / self._step[near] for x in (room, speed, self._used, brake))
+        joints = zip(*(column.tolist() for column in columns), strict=True)
+        holds[near] = [keeps_room(*joint) for joint in joints]
+        return holds
 
     def _within_velocity(self, room: Vector, speed: Vector, change: Vector) -> Vector:
         """Return the largest changes that acceleration, jerk and velocity limits allow, (2n,)."""

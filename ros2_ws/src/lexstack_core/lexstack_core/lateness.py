@@ -10,12 +10,12 @@ In steps of dt it moves ahead of that, so the next tick is soon enough.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_core.bounds import JointLimits, approach_speed
+from lexstack_core.bounds import JointLimits, can_stop
 from lexstack_core.linear import Vector
 
 _KEPT = 1e-9  # m, rad, m/s, rad/s: a limit exceeded by no more is kept
@@ -65,10 +65,9 @@ class Lateness:
         outward, jerk, larger = _accelerations(old, new, motion)
         walls = np.concatenate((-new.walls[:n], new.walls[n:]))
         inside = walls - position >= -_KEPT
-        late = ~inside | (speed > approach_speed(walls - position, new.rates, dt) + _KEPT)
-        stops = _stopping_distance(speed, outward, new.rates, jerk) + speed * dt
-        fast = inside & (late | (position + stops > walls + _KEPT)) & (old.rates > new.rates)
-        late |= fast
+        either = replace(new, jerk=np.maximum(old.jerk, new.jerk))
+        late = ~can_stop(motion.position, either, dt, motion.applied, motion.acceleration)
+        fast = inside & late & (old.rates > new.rates)
         # Outside one limit and too fast for the other one: it comes inside by itself.
         late &= inside | ~np.roll(late, n)
         rate, jerk = np.where(fast, old.rates, new.rates), np.where(fast, larger, jerk)
@@ -126,11 +125,3 @@ def _time_to_stand(speed: Vector, outward: Vector, rate: Vector, jerk: Vector) -
     ramp = np.maximum(rate + outward, 0.0) / jerk
     early = (outward + np.sqrt(np.maximum(outward * outward + 2.0 * jerk * speed, 0.0))) / jerk
     return np.where(early <= ramp, early, (speed + 0.5 * jerk * ramp * ramp) / rate)
-
-
-def _stopping_distance(speed: Vector, outward: Vector, rate: Vector, jerk: Vector) -> Vector:
-    """Return how far a joint goes until it rests, shape (2n,); at most, where it brakes already."""
-    c = np.maximum(outward, 0.0)
-    z = np.maximum(speed, 0.0) + c * c / (2.0 * jerk)
-    deepest = np.minimum(rate, np.sqrt(jerk * z)) + 1e-300
-    return z * c / jerk + 0.5 * z * (z / deepest + deepest / jerk)

@@ -28,14 +28,15 @@ class StackSolver:
         self._dt = dt
         self._warm: tuple[str, Solution] | None = None
 
-    def bounds(self, kinematics: Kinematics) -> Bounds:
-        """Return the viable position and velocity bounds at q*, T(35)."""
-        return target_bounds(kinematics.state.q_star, self._team.limits, self._dt)
+    def bounds(self, stack: str, kinematics: Kinematics) -> Bounds:
+        """Return the viable position and velocity bounds of a stack at q*, T(35)."""
+        limits = self._stacks[stack].limits or self._team.limits
+        return target_bounds(kinematics.state.q_star, limits, self._dt)
 
     def solve(self, stack: str, kinematics: Kinematics, references: References) -> Solution:
         """Return the optimum of a stack, warm from the tick before; chi of shape (n,)."""
         problem = HqpProblem(
-            self._stacks[stack].linearise(kinematics, references), self.bounds(kinematics)
+            self._stacks[stack].linearise(kinematics, references), self.bounds(stack, kinematics)
         )
         warm = self._warm[1] if self._warm is not None and self._warm[0] == stack else None
         solution = self._solver.solve(problem, warm)
@@ -53,5 +54,5 @@ class StackSolver:
             TASKS["minimum_velocity"](self._team, robot, {}, "at rest")
             for robot in range(len(self._team.robots))
         )
-        rest = Level(tasks, (1.0,) * len(tasks))
-        return Stack(f"{stack} at rest", (self._stacks[stack].levels[0], rest))
+        levels = (self._stacks[stack].levels[0], Level(tasks, (1.0,) * len(tasks)))
+        return Stack(f"{stack} at rest", levels, self._stacks[stack].limits)

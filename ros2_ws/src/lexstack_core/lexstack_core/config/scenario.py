@@ -14,6 +14,7 @@ Quaternion = tuple[float, float, float, float]
 Mode = Literal["lockstep", "realtime"]
 MethodName = Literal[  # the keys of lexstack_core.transition.methods.METHODS
     "bridge",
+    "bridge_jerk",
     "t37",
     "t34",
     "instant",
@@ -75,10 +76,12 @@ class TransitionConfig:
     profile: Literal["quintic", "cosine", "linear", "time_optimal"] = "quintic"
     on_loss: Literal["local", "minimum_velocity"] = "local"  # what A follows when B is lost
     at_end: Literal["adopt", "stay"] = "adopt"  # take the stack over, or stay with B
+    limits_move: float = 0.0  # s, how long position limits move that a stack changes; 0: least time
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a duration that is not positive."""
+        """Raise ConfigurationError for a duration that is not positive, or a negative time."""
         positive(where, duration=self.duration)
+        not_negative(where, limits_move=self.limits_move)
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +138,7 @@ class ScenarioConfig:
     obstacles: dict[str, ObstacleConfig] = field(default_factory=dict)  # by name
     plant: PlantConfig = field(default_factory=PlantConfig)  # default: as its model says
     timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)
+    limit_jerk: bool = False  # at every tick, not only in transitions by bridge_jerk
     solver: str = "daqp"  # a key of lexstack_core.hqp.SOLVERS
     mode: Mode = "lockstep"
     seed: int = 0

@@ -70,7 +70,7 @@ class StackSolverNode(Node):
         kinematics = self._parts.team.kinematics(state)
         references = self._targets.schedule.at(state.stamp)
         solution = self._solver.solve(wanted.stack, kinematics, references)
-        bounds = self._solver.bounds(kinematics)
+        bounds = self._solver.bounds(wanted.stack, kinematics)
         self._solve_time = perf_counter() - begun
         chi = self._chi
         _head(chi, state, wanted)

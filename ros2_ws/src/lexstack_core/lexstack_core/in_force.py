@@ -1,0 +1,97 @@
+"""The limits in force at every tick, and robot A's box that keeps them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lexstack_core.bounds import Bounds, JointLimits, is_viable, viable_bounds
+from lexstack_core.limits import LimitBlend, Motion
+from lexstack_core.linear import Vector
+from lexstack_core.state import RobotState
+
+
+@dataclass(frozen=True, slots=True)
+class LimitOptions:
+    """How limits are kept.
+
+    Attributes:
+        dt: control period [s].
+        jerk: whether jerk is limited at every tick.
+        duration: how long position limits move that a stack changes [s]; 0: the least time.
+    """
+
+    dt: float
+    jerk: bool = False
+    duration: float = 0.0
+
+
+class LimitsInForce:
+    """From the limits that a stack asks for to those that can be kept; one call per tick.
+
+    Other limits than those of the tick before begin a ``LimitBlend`` from where the joints are,
+    whatever the reason: a trigger, a new one in mid-blend, or a way back.
+
+    Where jerk limits come into force or become tighter, a joint may be too fast for them in front
+    of a limit that it can keep without. Such a joint comes under them as soon as it can.
+    """
+
+    def __init__(self, own: JointLimits, options: LimitOptions) -> None:
+        """Start with the robots' own limits in force, and no jerk limit."""
+        self._options = options
+        self._blend = LimitBlend.settled(own)
+        self._endless: Vector = np.full(own.n, np.inf)
+        self._jerk = self._endless  # in force at the last tick
+        self._base: JointLimits | None = None  # what ``_kept`` was made from
+        self._kept = own
+        self._before: RobotState | None = None
+
+    def at(
+        self, state: RobotState, wanted: JointLimits, sent: Vector | None, *, jerk: bool
+    ) -> tuple[JointLimits, Bounds]:
+        """Return the limits of this tick, and the box of all chi that keep them.
+
+        Args:
+            state: of the plant.
+            wanted: the limits to come to; they are told apart by identity.
+            sent: the command that was sent last, shape (n,); see ``viable_bounds``.
+            jerk: whether jerk is limited at this tick; it is in any case where the options say so.
+        """
+        acceleration = self._acceleration(state)
+        dt, limited = self._options.dt, jerk or self._options.jerk
+        motion = Motion(state.q_star, state.command, dt, acceleration if limited else None)
+        if wanted is not self._blend.new:
+            old = replace(self._blend.at(state.tick), jerk=self._jerk)
+            options = (state.tick, self._options.duration)
+            self._blend = LimitBlend.begin(old, wanted, motion, *options)
+        limits = self._blend.at(state.tick)
+        kept = self._within_jerk(limits, motion)
+        box = viable_bounds(state.q_star, kept, dt, state.command, sent, motion.acceleration)
+        return limits, box
+
+    def _acceleration(self, state: RobotState) -> Vector:
+        """Return the acceleration of the last tick, shape (n,); over a gap in the ticks the mean.
+
+        Nothing is known before the second state: the plant is taken to have moved uniformly.
+        """
+        before, self._before = self._before, state
+        if before is None or before.tick >= state.tick:
+            return np.zeros_like(state.command)
+        elapsed = (state.tick - before.tick) * self._options.dt
+        return (state.command - before.command) / elapsed
+
+    def _within_jerk(self, limits: JointLimits, motion: Motion) -> JointLimits:
+        """Return the limits with the jerk limits that the joints can keep already."""
+        if motion.acceleration is None:
+            self._jerk, self._base = self._endless, None
+            return limits
+        if limits is not self._base or self._kept is not limits:
+            former = replace(limits, jerk=self._jerk)
+            state = (motion.dt, motion.applied, motion.acceleration)
+            waits = is_viable(motion.position, former, *state)
+            waits &= ~is_viable(motion.position, limits, *state)
+            jerk = np.where(waits, self._jerk, limits.jerk)
+            self._kept = replace(limits, jerk=jerk) if waits.any() else limits
+            self._jerk, self._base = self._kept.jerk, limits
+        return self._kept
