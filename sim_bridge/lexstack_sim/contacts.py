@@ -61,14 +61,14 @@ def add_self_contacts(spec: mujoco.MjSpec, geoms: dict[int, list[str]]) -> None:
                 spec.add_pair(name=f"{one}:{other}", geomname1=one, geomname2=other)
 
 
-def between_robots(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[int, float]:
-    """Return how many points of different robots touch, and the sum of their normal forces [N]."""
+def touching(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[int, float]:
+    """Return at how many points robots touch others or obstacles, and the sum of forces [N]."""
     if data.ncon == 0:
         return 0, 0.0
     roots = model.body_rootid[model.geom_bodyid[data.contact.geom]]
-    touching = np.flatnonzero(roots[:, 0] != roots[:, 1])
+    apart = np.flatnonzero(roots[:, 0] != roots[:, 1])
     force, total = np.zeros(6), 0.0
-    for contact in touching:
+    for contact in apart:
         mujoco.mj_contactForce(model, data, int(contact), force)
         total += float(force[0])
-    return len(touching), total
+    return len(apart), total

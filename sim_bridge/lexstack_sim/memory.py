@@ -32,7 +32,7 @@ class Counters:
     over_velocity: int = 0  # the command exceeded a velocity limit
     over_acceleration: int = 0  # the command changed by more than an acceleration limit allows
     clamped: int = 0  # q* had run away from q and was pulled back
-    contact: int = 0  # robots touched each other
+    contact: int = 0  # robots touched each other or an obstacle
 
 
 @dataclass(slots=True)
@@ -46,7 +46,7 @@ class Memory:
     tick: int = 0
     silence: int = 0  # ticks since the last command
     status: Status = Status.FOLLOWING
-    contacts: int = 0  # points at which different robots touch
+    contacts: int = 0  # points at which robots touch each other or an obstacle
     contact_force: float = 0.0  # N, sum of their normal forces
 
 

@@ -14,7 +14,7 @@ from lexstack_core.linear import Vector
 from lexstack_core.model import Team
 from lexstack_core.state import RobotState
 from lexstack_sim.burden import add_burden
-from lexstack_sim.contacts import between_robots
+from lexstack_sim.contacts import touching
 from lexstack_sim.impedance import ImpedanceLoop, per_joint
 from lexstack_sim.memory import Counters, Memory, PlantError, Snapshot, Status
 from lexstack_sim.senses import Senses
@@ -69,6 +69,7 @@ class Plant:
         self._pushes = [
             (round(push.at / self.period), self._wrench(push)) for push in scenario.plant.pushes
         ]
+        self._obstacles = team.obstacles
         self._loop = ImpedanceLoop(team, PHYSICS_PERIOD, self._data.ctrl)
         self.reset(seed)
 
@@ -101,12 +102,12 @@ class Plant:
 
     @property
     def contacts(self) -> int:
-        """Points at which different robots touched in the last physics step."""
+        """Points at which robots touched others, or obstacles, in the last physics step."""
         return self._memory.contacts
 
     @property
     def contact_force(self) -> float:
-        """Sum of the normal forces between different robots in the last physics step [N]."""
+        """Sum of the normal forces at these points [N]."""
         return self._memory.contact_force
 
     def state(self) -> RobotState:
@@ -217,6 +218,8 @@ class Plant:
                 data.ctrl *= memory.senses.grip
             if self._wrenches:
                 self._push()
+            if self._obstacles.moving:
+                data.mocap_pos[:] = self._obstacles.at(data.time)
             mujoco.mj_step(self.world, data)
             memory.q_star += increment
             if not self._senses.perfect:
@@ -227,7 +230,7 @@ class Plant:
         self._bound_q_star()
         memory.tick += 1
         memory.effort[:] = data.actuator_force
-        memory.contacts, memory.contact_force = between_robots(self.world, data)
+        memory.contacts, memory.contact_force = touching(self.world, data)
         self.counters.contact += memory.contacts > 0
 
     def _bound_q_star(self) -> None:

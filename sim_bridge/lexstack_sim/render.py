@@ -40,6 +40,7 @@ def snapshots(
     resolved: ResolvedScenario,
     qs: Sequence[Vector],
     targets: Sequence[Mapping[str, Pose]] | None = None,
+    stamps: Sequence[float] | None = None,
     size: tuple[int, int] = (960, 540),
 ) -> list[Image]:
     """Return one picture per configuration, all from the same place.
@@ -48,6 +49,7 @@ def snapshots(
         resolved: the scenario with its robots.
         qs: configurations, shape (n,) each.
         targets: for each picture the end-effector targets by robot, drawn as frames; None: none.
+        stamps: for each picture its simulated time [s]: where obstacles are; None: at the start.
         size: width and height in pixels.
 
     Returns:
@@ -60,7 +62,8 @@ def snapshots(
     with Renderer(team, size) as renderer:
         renderer.frame(qs, [pose for poses in targets or () for pose in poses.values()])
         return [
-            renderer.picture(q, {} if targets is None else targets[i]) for i, q in enumerate(qs)
+            renderer.picture(q, targets[i] if targets else {}, stamps[i] if stamps else 0.0)
+            for i, q in enumerate(qs)
         ]
 
 
@@ -129,9 +132,15 @@ class Renderer:
         self._camera.azimuth, self._camera.elevation = azimuth, elevation
         self._camera.distance = _MARGIN * max(wide, high)
 
-    def picture(self, q: Vector, targets: Mapping[str, Pose] | None = None) -> Image:
-        """Return the robots at q, shape (n,), with frames at the targets of their tools."""
+    def picture(
+        self, q: Vector, targets: Mapping[str, Pose] | None = None, stamp: float = 0.0
+    ) -> Image:
+        """Return the robots at q, shape (n,), with frames at the targets of their tools.
+
+        Obstacles are where they are at the simulated time ``stamp`` [s].
+        """
         self._data.qpos[:] = q
+        self._data.mocap_pos[:] = self._team.obstacles.at(stamp)
         mujoco.mj_kinematics(self._world, self._data)
         mujoco.mj_camlight(self._world, self._data)
         mujoco.mjv_updateScene(

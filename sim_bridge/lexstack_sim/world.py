@@ -15,6 +15,7 @@ from lexstack_core.linear import Vector
 from lexstack_core.model import RobotModel, Team
 from lexstack_sim.contacts import add_contacts, add_self_contacts
 from lexstack_sim.looks import add_looks, add_scene
+from lexstack_sim.obstacles import add_obstacles
 
 PHYSICS_PERIOD = 0.001
 """Length of a physics step [s]: T(40) runs at 1 kHz."""
@@ -33,7 +34,7 @@ _AXES: dict[str, tuple[mujoco.mjtJoint, Vector]] = {
 
 
 def build_world(team: Team, *, looks: bool = False) -> mujoco.MjModel:
-    """Return the world of a team; positions, velocities and controls are in the order of chi.
+    """Return the world of a team and its obstacles; joints and controls are in chi's order.
 
     Args:
         team: the robots.
@@ -52,6 +53,7 @@ def build_world(team: Team, *, looks: bool = False) -> mujoco.MjModel:
         if looks:
             add_looks(spec, robot, bodies, i)
         _add_actuators(spec, robot)
+    add_obstacles(spec, team.obstacles)
     if looks:
         add_scene(spec)
     model = spec.compile()

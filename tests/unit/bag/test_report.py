@@ -126,8 +126,9 @@ def test_pictures_are_embedded(synthetic, monkeypatch):
 
     asked = []
 
-    def snapshots(resolved, qs, targets):
+    def snapshots(resolved, qs, targets, stamps):
         asked.extend(qs)
+        assert stamps == pytest.approx([1.0, 3.99])
         assert all(list(by_robot) == ["robot_a", "robot_b"] for by_robot in targets)
         return [np.zeros((4, 6, 3), np.uint8) for _ in qs]
 

@@ -38,7 +38,8 @@ def pictures(run: Run, measures: Measures, phases: Sequence[Phase]) -> tuple[lis
         from lexstack_sim.render import snapshots  # noqa: PLC0415 - optional, and slow to load
 
         targets = [dict(zip(run.robots, measures.references[row].ee, strict=True)) for row in rows]
-        images = snapshots(run.resolved, [run.plant.q[row] for row in rows], targets)
+        stamps = [float(run.plant.stamp[row]) for row in rows]
+        images = snapshots(run.resolved, [run.plant.q[row] for row in rows], targets, stamps)
         encoded = [_jpeg(image) for image in images]
     except Exception as error:  # noqa: BLE001 - drivers raise what they like
         text = " ".join(str(error).split()) or "no message"

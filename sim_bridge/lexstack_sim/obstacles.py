@@ -1,0 +1,78 @@
+"""Obstacles in the world: spheres that go their way whatever pushes them, and that touch."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from lexstack_core.linear import Matrix, Vector
+from lexstack_core.model import Obstacles
+
+_GROUP = 1  # of geoms that are visible
+_COLOR = (0.85, 0.15, 0.12, 1.0)
+_BIT = 1 << 30  # of contact: robots have those below, and collide with every other bit
+
+
+def add_obstacles(spec: mujoco.MjSpec, obstacles: Obstacles) -> None:
+    """Add each obstacle as a sphere where it is at first; they collide with robots alone."""
+    for name, center, radius in zip(
+        obstacles.names, obstacles.at(0.0), obstacles.radii, strict=True
+    ):
+        body = spec.worldbody.add_body(name=obstacle_name(name), mocap=True, pos=center)
+        body.add_geom(
+            name=obstacle_name(name),
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=(radius, 0.0, 0.0),
+            rgba=_COLOR,
+            contype=_BIT,
+            conaffinity=_BIT - 1,
+            group=_GROUP,
+        )
+
+
+def obstacle_name(obstacle: str) -> str:
+    """Return the name of an obstacle's body and geom."""
+    return f"obstacle/{obstacle}"
+
+
+class Clearance:
+    """Distances between what can touch: the robots' contact geometry, not their spheres."""
+
+    def __init__(
+        self, world: mujoco.MjModel, robots: tuple[str, ...], obstacles: Obstacles
+    ) -> None:
+        """Measure in a world that was built with these robots and obstacles."""
+        self._world = world
+        self._data = mujoco.MjData(world)
+        self._obstacles = obstacles
+        names = [world.geom(i).name for i in range(world.ngeom)]
+        self._geoms = [
+            [i for i, name in enumerate(names) if name.startswith(f"{robot}/contact/")]
+            for robot in robots
+        ]
+        self._spheres = [names.index(obstacle_name(name)) for name in obstacles.names]
+
+    def at(self, q: Vector, stamp: float, most: float = 1.0) -> Matrix:
+        """Return the distance of each robot to each obstacle, shape (robots, k), m.
+
+        Args:
+            q: configuration of all robots, shape (n,).
+            stamp: simulated time [s].
+            most: distances above this are given as this [m]; negative ones are depths.
+        """
+        self._data.qpos[:] = q
+        self._data.mocap_pos[:] = self._obstacles.at(stamp)
+        mujoco.mj_kinematics(self._world, self._data)
+        result: Matrix = np.array(
+            [
+                [
+                    min(
+                        mujoco.mj_geomDistance(self._world, self._data, geom, sphere, most, None)
+                        for geom in geoms
+                    )
+                    for sphere in self._spheres
+                ]
+                for geoms in self._geoms
+            ]
+        )
+        return result.reshape(len(self._geoms), len(self._spheres))
