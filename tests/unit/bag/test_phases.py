@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from lexstack_bag.columns import one_per_tick
 from lexstack_bag.phases import Phase, find_phases
 from lexstack_bag.reader import read_run
 from lexstack_bag.run import Run, TransitionPhase, TransitionStream
@@ -90,17 +88,3 @@ def test_a_blend_without_adoption_ends_where_alpha_is_one(run):
 def test_a_request_that_is_cancelled_before_it_begins_is_no_phase(run):
     phases = told(run, (1.0, 1, "posture", REQUESTED, 0.0), (1.5, 0, "track", IDLE, 1.0))
     assert [phase.stack for phase in phases] == ["track"]
-
-
-@pytest.mark.parametrize(
-    ("ticks", "kept"),
-    [
-        ([], []),
-        ([0, 1, 2], [0, 1, 2]),
-        ([5, 5, 5, 6], [0, 3]),  # paused: the same tick is told again
-        ([7, 8, 0, 1, 1, 3], [2, 3, 5]),  # reset: what was before it is another run
-    ],
-)
-def test_one_message_per_tick_since_the_last_reset(ticks, kept):
-    messages = [SimpleNamespace(tick=tick, place=i) for i, tick in enumerate(ticks)]
-    assert [message.place for message in one_per_tick(messages)] == kept

@@ -1,10 +1,15 @@
-"""From a list of decoded messages to the arrays of a stream, one array per field."""
+"""From decoded messages to the arrays of a stream, one array per field, as the messages come.
+
+A message is taken apart at once: an hour of a run is a few hundred megabytes of numbers, and
+would be some gigabytes of messages.
+"""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from array import array
+from collections.abc import Callable
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -13,31 +18,58 @@ from lexstack_bag.run import ChiStream, PlantStream, TransitionStream, read_only
 T = TypeVar("T", PlantStream, ChiStream, TransitionStream)
 
 
-def stream(kind: type[T], messages: Sequence[Any], n: int) -> T:
-    """Return the stream of messages whose fields bear the names of the stream's fields.
+class _Column(Protocol):
+    """One field of all messages."""
 
-    Args:
-        kind: the stream's class; its annotations say how each column is made.
-        messages: decoded messages in the order of their arrival.
-        n: length of chi; a vector of another length (a failed solve has none) becomes nan.
-    """
-    columns = {}
-    for field in dataclasses.fields(kind):
-        values = [_value(message, field.name) for message in messages]
-        columns[field.name] = _COLUMNS[str(field.type)](values, n)
-    return kind(**columns)
+    def add(self, value: Any) -> None:
+        """Append the value of one more message."""
+        ...
+
+    def build(self) -> Any:
+        """Return the whole as a read-only array with one row per message."""
+        ...
 
 
-def one_per_tick(messages: Sequence[Any]) -> list[Any]:
-    """Return the messages after the last reset of the plant, the first of each tick, ascending.
+class StreamBuilder(Generic[T]):
+    """Takes the messages of one topic whose fields bear the names of the stream's fields."""
 
-    The tick starts again at a reset; while the plant is paused a tick may be told twice.
-    """
-    ticks = np.array([message.tick for message in messages], dtype=np.int64)
-    resets = np.flatnonzero(np.diff(ticks) < 0)
-    first = int(resets[-1]) + 1 if len(resets) else 0
-    _, index = np.unique(ticks[first:], return_index=True)
-    return [messages[first + int(i)] for i in index]
+    def __init__(self, kind: type[T], n: int, *, by_tick: bool) -> None:
+        """Start empty.
+
+        Args:
+            kind: the stream's class; its annotations say how each column is made.
+            n: length of chi; a vector of another length (a failed solve has none) becomes nan.
+            by_tick: keep the first message of each tick alone, and begin anew where the ticks
+                do: at a reset of the plant. While it is paused a tick may be told twice.
+        """
+        self._kind = kind
+        self._n = n
+        self._by_tick = by_tick
+        self._restart()
+
+    def add(self, message: Any) -> None:
+        """Append a message."""
+        tick = message.tick
+        if self._by_tick:
+            if tick == self._last:
+                return
+            if tick < self._last:
+                self._restart()
+            self._last = tick
+        for name, column in self._columns.items():
+            column.add(seconds(message.header.stamp) if name == "stamp" else getattr(message, name))
+
+    def build(self) -> T:
+        """Return the stream; take no more messages."""
+        return self._kind(**{name: column.build() for name, column in self._columns.items()})
+
+    def _restart(self) -> None:
+        """Forget all."""
+        self._last = -1
+        self._columns = {
+            field.name: _COLUMNS[str(field.type)](self._n)
+            for field in dataclasses.fields(self._kind)
+        }
 
 
 def seconds(stamp: Any) -> float:
@@ -45,24 +77,82 @@ def seconds(stamp: Any) -> float:
     return float(stamp.sec + 1e-9 * stamp.nanosec)
 
 
-def _value(message: Any, name: str) -> Any:
-    """Return a field of a message; the stamp stands in its header."""
-    return seconds(message.header.stamp) if name == "stamp" else getattr(message, name)
+class _Numbers:
+    """Scalars."""
+
+    def __init__(self, code: str) -> None:
+        """Start empty; ``code`` is the type's in ``array``."""
+        self._values: array[Any] = array(code)
+        self.add = self._values.append
+
+    def build(self) -> Any:
+        """Return shape (T,)."""
+        return read_only(np.frombuffer(self._values, dtype=self._values.typecode))
 
 
-def _rows(values: Sequence[Any], n: int) -> Any:
-    """Return vectors as the rows of a matrix, shape (T, n)."""
-    matrix = np.full((len(values), n), np.nan)
-    for row, value in zip(matrix, values, strict=True):
-        if len(value) == n:
-            row[:] = value
-    return read_only(matrix)
+class _Rows:
+    """Vectors of one length, shape (T, n)."""
+
+    def __init__(self, n: int) -> None:
+        """Start empty."""
+        self._n = n
+        self._nan = np.full(n, np.nan).tobytes()
+        self._values = array("d")
+
+    def add(self, value: Any) -> None:
+        """Append a vector; one of another length becomes nan."""
+        fits = len(value) == self._n
+        self._values.frombytes(np.asarray(value, np.float64).tobytes() if fits else self._nan)
+
+    def build(self) -> Any:
+        """Return shape (T, n)."""
+        return read_only(np.frombuffer(self._values, dtype=np.float64).reshape(-1, self._n))
 
 
-_COLUMNS: dict[str, Callable[[Sequence[Any], int], Any]] = {
-    "Integers": lambda values, _n: read_only(np.array(values, dtype=np.int64)),
-    "Vector": lambda values, _n: read_only(np.array(values, dtype=np.float64)),
-    "Strings": lambda values, _n: read_only(np.array(values, dtype=np.str_)),
-    "Matrix": _rows,
-    "tuple[Vector, ...]": lambda values, _n: tuple(np.array(value) for value in values),
+class _Ragged:
+    """Vectors of different lengths, as rows with nan at their ends."""
+
+    def __init__(self) -> None:
+        """Start empty."""
+        self._values = array("d")
+        self._lengths = array("i")
+
+    def add(self, value: Any) -> None:
+        """Append a vector."""
+        self._values.frombytes(np.asarray(value, np.float64).tobytes())
+        self._lengths.append(len(value))
+
+    def build(self) -> Any:
+        """Return shape (T, L), L the longest vector's length."""
+        lengths = np.frombuffer(self._lengths, dtype=np.int32)
+        longest = int(lengths.max(initial=0))
+        rows = np.full((len(lengths), longest), np.nan)
+        rows[np.arange(longest) < lengths[:, None]] = np.frombuffer(self._values, dtype=np.float64)
+        return read_only(rows)
+
+
+class _Texts:
+    """Texts, each different one kept once."""
+
+    def __init__(self) -> None:
+        """Start empty."""
+        self._known: dict[str, int] = {}
+        self._codes = array("l")
+
+    def add(self, value: str) -> None:
+        """Append a text."""
+        self._codes.append(self._known.setdefault(value, len(self._known)))
+
+    def build(self) -> Any:
+        """Return shape (T,), references to the texts."""
+        texts = np.array([*self._known, ""], dtype=object)  # never empty: an index needs one
+        return read_only(texts[np.frombuffer(self._codes, dtype=np.int64)])
+
+
+_COLUMNS: dict[str, Callable[[int], _Column]] = {
+    "Integers": lambda _n: _Numbers("q"),
+    "Vector": lambda _n: _Numbers("d"),
+    "Strings": lambda _n: _Texts(),
+    "Matrix": _Rows,
+    "Ragged": lambda _n: _Ragged(),
 }

@@ -68,6 +68,18 @@ class Container:
         self.metadata: dict[str, dict[str, str]] = {}
         self.complete = True
 
+    def first_metadata(self, name: str) -> dict[str, str]:
+        """Return the content of the first Metadata record of a name; empty: there is none.
+
+        Raises:
+            BagError: not a bag, or damaged.
+        """
+        for path in self.files:
+            for record, _ in self._records(path):
+                if isinstance(record, Metadata) and record.name == name:
+                    return dict(record.metadata)
+        return {}
+
     def messages(self, progress: Progress = lambda _part: None) -> Iterator[RawMessage]:
         """Yield every message; raises BagError for what is not a bag or is damaged."""
         try:

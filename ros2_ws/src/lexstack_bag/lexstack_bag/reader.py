@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
@@ -11,77 +12,74 @@ import numpy as np
 from mcap.records import Schema
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from lexstack_bag.columns import one_per_tick, seconds, stream
-from lexstack_bag.container import Container, RawMessage, find_files
+from lexstack_bag.columns import StreamBuilder, seconds
+from lexstack_bag.container import Container, Progress, RawMessage, find_files
 from lexstack_bag.errors import BagError
 from lexstack_bag.loss import LossCounter
-from lexstack_bag.run import ChiStream, PlantStream, Run, Target, TransitionStream
+from lexstack_bag.run import (
+    ChiStream,
+    PlantStream,
+    Run,
+    StackRequested,
+    Target,
+    TransitionStream,
+)
 from lexstack_bag.writer import CLOSING_RECORD, SCENARIO_RECORD
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.errors import ConfigurationError
 from lexstack_core.model import Team
 
 PLANT_STATE = "/plant/state"
+COMMAND = "/robot_a/chi"
 TRANSITION = "/robot_a/transition"
-NEEDED = (PLANT_STATE, "/robot_a/chi", TRANSITION)
+REQUEST = "/robot_a/stack_request"
+NEEDED = (PLANT_STATE, COMMAND, TRANSITION)
 """Topics without which there is nothing to analyse."""
 
 _TARGETS = {"ee_target": "ee", "base_target": "base"}
 
-Progress = Callable[[str], None]
 
-
-def read_run(path: Path, progress: Progress = lambda _line: None) -> Run:
+def read_run(path: Path, progress: Progress = lambda _part: None) -> Run:
     """Return the run in a bag.
 
     Args:
         path: a run folder, a bag folder or an .mcap file.
-        progress: told what happens, in single lines.
+        progress: told how much has been read, from 0 to 1.
 
     Raises:
         BagError: nothing there, not readable, or not recorded by lexstack.
     """
     files = find_files(path)
     container = Container(files)
-    collector = _Collector()
-    for message in container.messages():
+    facts, resolved = read_facts(container)
+    collector = _Collector(resolved)
+    for message in container.messages(progress):
         collector.add(message)
-    total = sum(collector.counts.values())
-    progress(f"read {total} messages of {len(collector.counts)} topics from {files[0].name}")
-    return _assemble(files[0], container, collector)
+    return collector.run(files[0], facts, container)
 
 
-class _Collector:
-    """Sorts a bag's messages: decodes what analysis needs, counts all of them."""
+def read_facts(container: Container) -> tuple[dict[str, str], ResolvedScenario]:
+    """Return what a bag says about its run, and the scenario; raises BagError for a foreign bag."""
+    path = container.files[0]
+    facts = container.first_metadata(SCENARIO_RECORD)
+    if "scenario" not in facts:
+        raise BagError(f"{path}: not a lexstack bag (no Metadata record {SCENARIO_RECORD!r})")
+    try:
+        resolved = ResolvedScenario.from_yaml(facts.pop("scenario"), f"{path}: scenario")
+    except ConfigurationError as error:
+        raise BagError(str(error)) from error
+    return facts, resolved
+
+
+class Decoder:
+    """From CDR to messages, by the definitions that a bag carries."""
 
     def __init__(self) -> None:
-        """Start empty."""
-        self.counts: dict[str, int] = defaultdict(int)
-        self.losses: dict[str, LossCounter] = defaultdict(LossCounter)
-        self.decoded: dict[str, list[Any]] = defaultdict(list)
-        self.targets: list[Target] = []
+        """Know no type yet."""
         self._decoders: dict[str, Callable[[bytes], Any]] = {}
-        self._now = 0.0  # s, stamp of the last plant state
 
-    def add(self, message: RawMessage) -> None:
-        """Take one message."""
-        topic = message.topic
-        self.counts[topic] += 1
-        if message.sequence:
-            self.losses[topic].see(message.sequence)
-        robot, _, name = topic[1:].partition("/")
-        if topic in (PLANT_STATE, TRANSITION) or name == "chi":
-            value = self._decode(message)
-            self.decoded[topic].append(value)
-            if topic == PLANT_STATE:
-                self._now = seconds(value.header.stamp)
-        elif name in _TARGETS:
-            target = self._target(robot, name, self._decode(message))
-            if np.isfinite([*target.position, *target.quaternion]).all():
-                self.targets.append(target)
-
-    def _decode(self, message: RawMessage) -> Any:
-        """Return a message's content."""
+    def __call__(self, message: RawMessage) -> Any:
+        """Return a message's content; raises BagError."""
         name = message.schema.name
         if name not in self._decoders:
             self._decoders[name] = _decoder(message.schema)
@@ -90,18 +88,98 @@ class _Collector:
         except Exception as error:  # the decoder is generated and raises whatever it meets
             raise BagError(f"{message.topic}: a message cannot be decoded: {error}") from error
 
-    def _target(self, robot: str, name: str, value: Any) -> Target:
-        """Return a reference: it holds from its stamp on, or at once if that has passed."""
-        pose = value.pose
-        return Target(
+
+class _Collector:
+    """Sorts a bag's messages: takes apart what analysis needs, counts all of them."""
+
+    def __init__(self, resolved: ResolvedScenario) -> None:
+        """Start empty."""
+        self._resolved = resolved
+        n = Team.from_scenario(resolved).n
+        self._counts: dict[str, int] = defaultdict(int)
+        self._losses: dict[str, LossCounter] = defaultdict(LossCounter)
+        self._plant = StreamBuilder(PlantStream, n, by_tick=True)
+        self._transition = StreamBuilder(TransitionStream, n, by_tick=False)
+        self._chi = {
+            f"/{robot}/chi": StreamBuilder(ChiStream, n, by_tick=True)
+            for robot in resolved.scenario.robots
+        }
+        self._targets: list[Target] = []
+        self._requested: list[tuple[int, Any]] = []  # time of sending [ns], message
+        self._commanded: tuple[array[int], array[int]] = array("q"), array("q")  # time, tick
+        self._decode = Decoder()
+        self._now = 0.0  # s, stamp of the last plant state
+
+    def add(self, message: RawMessage) -> None:
+        """Take one message."""
+        topic = message.topic
+        self._counts[topic] += 1
+        if message.sequence:
+            self._losses[topic].see(message.sequence)
+        if topic == PLANT_STATE:
+            state = self._decode(message)
+            self._now = seconds(state.header.stamp)
+            self._plant.add(state)
+        elif topic in self._chi:
+            chi = self._decode(message)
+            self._chi[topic].add(chi)
+            if topic == COMMAND:
+                self._commanded[0].append(message.publish_time)
+                self._commanded[1].append(chi.tick)
+        elif topic == TRANSITION:
+            self._transition.add(self._decode(message))
+        elif topic == REQUEST:
+            self._requested.append((message.publish_time, self._decode(message)))
+        else:
+            self._add_target(message)
+
+    def run(self, path: Path, facts: dict[str, str], container: Container) -> Run:
+        """Return the Run of all that was collected; raises BagError without a plant."""
+        plant = self._plant.build()
+        if not len(plant.tick):
+            raise BagError(f"{path}: holds no message of {PLANT_STATE}")
+        return Run(
+            path,
+            facts,
+            self._resolved,
+            plant,
+            {topic.split("/")[1]: builder.build() for topic, builder in self._chi.items()},
+            self._transition.build(),
+            tuple(self._targets),
+            dict(sorted(self._counts.items())),
+            _lost(container, self._losses),
+            container.complete,
+            self._requests(),
+        )
+
+    def _add_target(self, message: RawMessage) -> None:
+        """Take a reference: it holds from its stamp on, or at once if that has passed."""
+        robot, _, name = message.topic[1:].partition("/")
+        if name not in _TARGETS:
+            return
+        value = self._decode(message)
+        place, turn = value.pose.position, value.pose.orientation
+        target = Target(
             robot,
             _TARGETS[name],  # type: ignore[arg-type]
             max(seconds(value.header.stamp), self._now),
-            np.array([pose.position.x, pose.position.y, pose.position.z]),
-            np.array(
-                [pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w]
-            ),
+            np.array([place.x, place.y, place.z]),
+            np.array([turn.x, turn.y, turn.z, turn.w]),
         )
+        if np.isfinite([*target.position, *target.quaternion]).all():
+            self._targets.append(target)
+
+    def _requests(self) -> tuple[StackRequested, ...]:
+        """Return the requests to robot B between the commands of robot A, by A's own clock."""
+        times, ticks = (np.frombuffer(column, np.int64) for column in self._commanded)
+        found = []
+        for sent, message in sorted(self._requested, key=lambda entry: entry[0]):
+            before = int(np.searchsorted(times, sent))
+            after = int(ticks[before - 1]) if before else -1
+            found.append(
+                StackRequested(after, message.id, message.stack, message.start_tick, message.active)
+            )
+        return tuple(found)
 
 
 def _decoder(schema: Schema) -> Callable[[bytes], Any]:
@@ -113,37 +191,7 @@ def _decoder(schema: Schema) -> Callable[[bytes], Any]:
     return lambda data: store.deserialize_cdr(data, schema.name)
 
 
-def _assemble(path: Path, container: Container, collector: _Collector) -> Run:
-    """Return the Run of all that was collected; raises BagError for a foreign bag."""
-    facts = dict(container.metadata.get(SCENARIO_RECORD, {}))
-    if "scenario" not in facts:
-        raise BagError(f"{path}: not a lexstack bag (no Metadata record {SCENARIO_RECORD!r})")
-    try:
-        resolved = ResolvedScenario.from_yaml(facts.pop("scenario"), f"{path}: scenario")
-    except ConfigurationError as error:
-        raise BagError(str(error)) from error
-    if not collector.decoded[PLANT_STATE]:
-        raise BagError(f"{path}: holds no message of {PLANT_STATE}")
-    n = Team.from_scenario(resolved).n
-    chi = {
-        robot: stream(ChiStream, one_per_tick(collector.decoded[f"/{robot}/chi"]), n)
-        for robot in resolved.scenario.robots
-    }
-    return Run(
-        path,
-        facts,
-        resolved,
-        stream(PlantStream, one_per_tick(collector.decoded[PLANT_STATE]), n),
-        chi,
-        stream(TransitionStream, collector.decoded[TRANSITION], n),
-        tuple(collector.targets),
-        dict(sorted(collector.counts.items())),
-        _lost(container, collector),
-        container.complete,
-    )
-
-
-def _lost(container: Container, collector: _Collector) -> int:
+def _lost(container: Container, losses: dict[str, LossCounter]) -> int:
     """Return what the recorder counted, or without its closing word the gaps in the bag."""
     word = container.metadata.get(CLOSING_RECORD, {}).get("recorder_lost")
-    return int(word) if word else sum(counter.lost for counter in collector.losses.values())
+    return int(word) if word else sum(counter.lost for counter in losses.values())

@@ -20,7 +20,8 @@ from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
 
 Integers = NDArray[np.int64]
-Strings = NDArray[np.str_]
+Strings = NDArray[Any]  # of str, equal texts are one object
+Ragged = NDArray[np.float64]  # rows of different lengths: nan at their ends
 
 
 class TransitionPhase(IntEnum):
@@ -68,7 +69,7 @@ class ChiStream:
     chi: Matrix  # (T, n) m/s, rad/s
     lower: Matrix  # (T, n) bounds on chi
     upper: Matrix  # (T, n)
-    slacks: tuple[Vector, ...]  # T vectors: each level's residual
+    slacks: Ragged  # (T, L) residual of each level, L the most levels that were solved
     status: Integers  # (T,) of SolveStatus
     empty_bounds: Integers  # (T,) joints with an empty box at the tick
     solve_time: Vector  # (T,) s, wall clock
@@ -105,6 +106,17 @@ class Target:
 
 
 @dataclass(frozen=True, slots=True)
+class StackRequested:
+    """One ``/robot_a/stack_request``: what robot A told its source that it shall solve."""
+
+    after: int  # tick of the command that A had sent last; -1: none
+    id: int  # of the transition
+    stack: str
+    start_tick: int
+    active: bool  # False: no longer to be solved
+
+
+@dataclass(frozen=True, slots=True)
 class Run:
     """Everything that analysis takes from a bag."""
 
@@ -118,6 +130,7 @@ class Run:
     messages: dict[str, int]  # count by topic
     lost: int  # messages that the recorder missed
     complete: bool  # False: the file ends before its end
+    requested: tuple[StackRequested, ...] = ()  # in the order in which they were sent
 
     @property
     def period(self) -> float:

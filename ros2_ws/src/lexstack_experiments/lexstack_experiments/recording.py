@@ -19,6 +19,7 @@ from lexstack_bag.run import (
     read_only,
 )
 from lexstack_core.controller import Command
+from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
 from lexstack_core.references import Target as ScheduledTarget
 from lexstack_core.rotation import to_quaternion
@@ -69,7 +70,7 @@ def _chi(commands: list[Command]) -> ChiStream:
         chi=_column((command.chi for command in commands), np.float64),
         lower=_column((command.bounds.lower for command in commands), np.float64),
         upper=_column((command.bounds.upper for command in commands), np.float64),
-        slacks=tuple(command.slacks for command in commands),
+        slacks=_ragged([command.slacks for command in commands]),
         status=_column((_status(command) for command in commands), np.int64),
         empty_bounds=_column((command.bounds.empty for command in commands), np.int64),
         solve_time=_column((command.solve_time for command in commands), np.float64),
@@ -111,6 +112,14 @@ def _targets(target: ScheduledTarget, team: Team) -> Iterable[Target]:
 def _status(command: Command) -> SolveStatus:
     """Return how a command came about."""
     return SolveStatus.FALLBACK if command.fallback else SolveStatus.SOLVED
+
+
+def _ragged(rows: list[Vector]) -> Matrix:
+    """Return vectors as rows, nan at the ends of the shorter ones."""
+    result = np.full((len(rows), max((row.size for row in rows), default=0)), np.nan)
+    for line, row in zip(result, rows, strict=True):
+        line[: row.size] = row
+    return read_only(result)
 
 
 def _column(values: Iterable[Any], kind: type) -> NDArray[Any]:

@@ -12,6 +12,7 @@ from lexstack_bag.goals import summary_lines
 from lexstack_bag.measures import measure
 from lexstack_bag.metrics import Metrics, compute_metrics
 from lexstack_bag.phases import find_phases
+from lexstack_bag.progress import ProgressBar
 from lexstack_bag.reader import read_run
 from lexstack_bag.report.build import write_report
 from lexstack_core.errors import LexstackError
@@ -35,7 +36,9 @@ def analyze(
     Raises:
         BagError: the bag cannot be read, or the results cannot be written.
     """
-    run = read_run(bag, progress)
+    run = read_run(bag, ProgressBar("reading"))
+    total = sum(run.messages.values())
+    progress(f"read {total} messages of {len(run.messages)} topics from {run.path.name}")
     folder = out or _run_folder(run.path)
     measures = measure(run)
     phases = find_phases(run)
