@@ -33,9 +33,9 @@ class Horizon:
         """Make the matrices once."""
         self.stages = stages
         self.step = step
-        self.times: Vector = step * np.arange(stages + 1)
+        self.times: Vector = step * np.arange(stages + 1, dtype=np.float64)
         past: Matrix = np.tri(stages)
-        index = np.arange(stages)
+        index: Vector = np.arange(stages, dtype=np.float64)
         self.to_velocity: Matrix = step * past
         ages: Matrix = index[:, None] - index + 0.5  # of each input at each state, in stages
         self.to_position: Matrix = np.multiply(step * step, past * ages)

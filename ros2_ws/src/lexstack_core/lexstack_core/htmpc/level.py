@@ -143,7 +143,7 @@ class Level:
         self, iterate: Iterate, qp: CondensedQp, center: Vector, rows: _Rows, white: Matrix
     ) -> tuple[Vector, str]:
         """Solve, and again with the hard limits that the solution breaks, until it breaks none."""
-        direction, word = qp.solve(center, white, rows.lower, rows.upper)
+        direction, multipliers, word = qp.solve(center, white, rows.lower, rows.upper)
         hard = self._program.hard
         if hard is None:
             return direction, word
@@ -165,7 +165,7 @@ class Level:
             white = np.concatenate((white, qp.whiten(added)))
             lower = np.concatenate((lower, low[places]))
             upper = np.concatenate((upper, high[places]))
-            direction, word = qp.solve(center, white, lower, upper)
+            direction, multipliers, word = qp.solve(center, white, lower, upper, multipliers)
         return direction, "hard limits: too many rounds"
 
     def _rows(self, iterate: Iterate) -> _Rows:

@@ -17,6 +17,7 @@ from lexstack_core.linear import Matrix, Vector
 _FAR = 1e30  # DAQP's infinity
 _ITERATIONS = 2000
 _TOLERANCE = 1e-9
+_ACTIVE, _LOWER = 1, 2
 _WORDS = {
     -1: "infeasible",
     -2: "cycling",
@@ -50,30 +51,41 @@ class CondensedQp:
         return np.asarray(lapack.dtrtrs(self._factor, gradient, trans=1)[0])
 
     def solve(
-        self, center: Vector, rows: Matrix, lower: Vector, upper: Vector
-    ) -> tuple[Vector, str]:
-        """Return d, shape (m,), and ``solved`` or the reason why it is not the optimum.
+        self,
+        center: Vector,
+        rows: Matrix,
+        lower: Vector,
+        upper: Vector,
+        guess: Vector | None = None,
+    ) -> tuple[Vector, Vector, str]:
+        """Return d, shape (m,), the multipliers, and ``solved`` or why it is not the optimum.
 
         Args:
             center: of ``center``.
             rows: of ``whiten``, shape (r, m).
             lower: shape (r,); -inf is legal.
             upper: shape (r,); inf is legal.
+            guess: multipliers of the first rows, whose signs are the first working set.
         """
         if not len(rows):
-            return self._back(-center), self.word
+            return self._back(-center), np.zeros(0), self.word
+        sense = np.zeros(len(rows), dtype=np.intc)
+        if guess is not None:
+            sense[: len(guess)][guess > 0.0] = _ACTIVE
+            sense[: len(guess)][guess < 0.0] = _ACTIVE | _LOWER
         shift = rows @ center
-        y, _, flag, _ = daqp.solve(
+        y, _, flag, info = daqp.solve(
             None,
             None,
             np.ascontiguousarray(rows),
             np.minimum(upper + shift, _FAR),
             np.maximum(lower + shift, -_FAR),
+            sense,
             iter_limit=_ITERATIONS,
             primal_tol=_TOLERANCE,
         )
         word = "solved" if flag > 0 else _WORDS.get(flag, f"exit flag {flag}")
-        return self._back(y - center), word
+        return self._back(y - center), info["lam"], word
 
     def _back(self, whitened: Vector) -> Vector:
         """Return R^-1 y."""
