@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.controller import Controller
 from lexstack_core.hqp import SolverFactory, make_solver
-from lexstack_core.in_force import LimitOptions
+from lexstack_core.in_force import BoxLaw, LimitOptions, LimitsInForce
 from lexstack_core.model import Team
 from lexstack_core.references import ReferenceSchedule
 from lexstack_core.stack import Stack, build_stack
@@ -45,16 +45,31 @@ def build_stack_solver(
 
 
 def build_controller(
-    resolved: ResolvedScenario, parts: Parts, solver: SolverFactory | None = None
+    resolved: ResolvedScenario,
+    parts: Parts,
+    solver: SolverFactory | None = None,
+    box: BoxLaw | None = None,
 ) -> Controller:
-    """Return robot A's controller; ``solver`` makes other ones than the scenario's."""
+    """Return robot A's controller.
+
+    Args:
+        resolved: the scenario.
+        parts: built from it.
+        solver: makes other solvers than the scenario's.
+        box: keeps the limits in another way than ``LimitsInForce``.
+    """
     local = build_stack_solver(resolved, parts, solver)
     return Controller(
         parts.team,
         build_references(resolved, parts.team),
         Transition(parts.stacks, local, resolved.scenario),
         solver() if solver else make_solver(resolved.scenario.solver),
-        LimitOptions(
-            parts.dt, resolved.scenario.limit_jerk, resolved.scenario.transition.limits_move
-        ),
+        box or build_limits(resolved, parts),
     )
+
+
+def build_limits(resolved: ResolvedScenario, parts: Parts) -> LimitsInForce:
+    """Return how robot A keeps its limits."""
+    scenario = resolved.scenario
+    options = LimitOptions(parts.dt, scenario.limit_jerk, scenario.transition.limits_move)
+    return LimitsInForce(parts.team.limits, options)

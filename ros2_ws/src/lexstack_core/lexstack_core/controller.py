@@ -9,7 +9,7 @@ import numpy as np
 
 from lexstack_core.bounds import Bounds, target_bounds
 from lexstack_core.hqp import HqpSolver, Solution
-from lexstack_core.in_force import LimitOptions, LimitsInForce
+from lexstack_core.in_force import BoxLaw
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
 from lexstack_core.references import ReferenceSchedule
@@ -58,15 +58,14 @@ class Controller:
         references: ReferenceSchedule,
         transition: Transition,
         solver: HqpSolver,
-        options: LimitOptions,
+        box: BoxLaw,
     ) -> None:
-        """Put the parts together; ``options`` say how limits are kept."""
+        """Put the parts together; ``box`` keeps the limits, and knows the control period."""
         self.references = references
         self.transition = transition
         self._team = team
         self._solver = solver
-        self._dt = options.dt
-        self._in_force = LimitsInForce(team.limits, options)
+        self._box = box
         self._sent: Vector | None = None
         self._bounds: Bounds | None = None
         self._warm: Solution | None = None
@@ -80,14 +79,14 @@ class Controller:
         kinematics = self._team.kinematics(state)
         stack, method = self.transition.governing(state.tick)
         wanted = stack.limits or self._team.limits
-        limits, bounds = self._in_force.at(state, wanted, self._sent, jerk=method in JERK_LIMITED)
+        limits, bounds = self._box.at(state, wanted, self._sent, jerk=method in JERK_LIMITED)
         means = Means(
             bounds,
             self._bounds or bounds,
-            free=lambda: target_bounds(state.q_star, wanted, self._dt),
+            free=lambda: target_bounds(state.q_star, wanted, self._box.dt),
             solve=lambda problem: self._solver.solve(problem).chi,
             limits=limits,
-            dt=self._dt,
+            dt=self._box.dt,
         )
         plan = self.transition.step(kinematics, self.references.at(state.stamp), means)
         bounds = self._bounds = plan.problem.bounds

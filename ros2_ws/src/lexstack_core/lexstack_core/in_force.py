@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -27,6 +28,21 @@ class LimitOptions:
     duration: float = 0.0
 
 
+class BoxLaw(Protocol):
+    """What robot A needs of its limits."""
+
+    @property
+    def dt(self) -> float:
+        """The control period [s]."""
+        ...
+
+    def at(
+        self, state: RobotState, wanted: JointLimits, sent: Vector | None, *, jerk: bool
+    ) -> tuple[JointLimits, Bounds]:
+        """Return the limits of this tick and the box; see ``LimitsInForce``."""
+        ...
+
+
 class LimitsInForce:
     """From the limits that a stack asks for to those that can be kept; one call per tick.
 
@@ -46,6 +62,11 @@ class LimitsInForce:
         self._base: JointLimits | None = None  # what ``_kept`` was made from
         self._kept = own
         self._before: RobotState | None = None
+
+    @property
+    def dt(self) -> float:
+        """The control period [s]."""
+        return self._options.dt
 
     def at(
         self, state: RobotState, wanted: JointLimits, sent: Vector | None, *, jerk: bool
