@@ -23,6 +23,7 @@ setup(
         "numpy>=2",
         "pin>=4.1",
         "proxsuite>=0.8",
+        "quadprog>=0.1.13",
         "PyYAML>=6",
         "scipy>=1.13",
     ],

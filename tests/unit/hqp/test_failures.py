@@ -169,5 +169,5 @@ def test_a_task_of_another_length_raises():
 
 
 def test_an_unknown_solver_is_told_the_known_ones():
-    with pytest.raises(ConfigurationError, match=r"'quadprog'.*daqp, proxqp"):
-        make_solver("quadprog")
+    with pytest.raises(ConfigurationError, match=r"'mosek'.*daqp, oracle, proxqp, quadprog"):
+        make_solver("mosek")

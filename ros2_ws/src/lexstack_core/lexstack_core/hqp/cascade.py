@@ -8,13 +8,13 @@ has done. Every level below therefore only moves where no level above notices.
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import replace
 
 import numpy as np
 
 from lexstack_core.bounds import Bounds
+from lexstack_core.hqp.checks import starting_point, touched
 from lexstack_core.hqp.exchange import Guess, solve_by_exchange
 from lexstack_core.hqp.factor import factorise
 from lexstack_core.hqp.problem import HqpProblem, Solution, Status
@@ -54,7 +54,7 @@ class NullSpaceCascade:
             chi, reason = self._chi(hierarchy, problem.bounds, warm)
             slacks = hierarchy.slacks(hierarchy.residual(chi))
             rows = hierarchy.touched(chi)
-        active = _touched(chi, problem.bounds)
+        active = touched(chi, problem.bounds)
         for array in (chi, active, slacks, rows):
             array.setflags(write=False)
         status = Status.FAILED if reason else Status.SOLVED
@@ -65,7 +65,7 @@ class NullSpaceCascade:
     ) -> tuple[Vector, str]:
         """Return chi inside the bounds, and why it is not the optimum, if it is not."""
         lower, upper = bounds.lower, bounds.upper
-        chi, reason = _start(hierarchy, lower, upper)
+        chi, reason = starting_point(hierarchy, lower, upper)
         if reason:
             return chi, reason
         guess = _last(hierarchy, warm, chi.size)
@@ -144,35 +144,3 @@ def _last(hierarchy: Hierarchy, warm: Solution | None, n: int) -> Guess:
 def _smallest(n: int) -> LevelRows:
     """Return the level below all others: the smallest ``||chi||`` of what is still free."""
     return Hierarchy(((LinearTask.equality("smallest", np.eye(n), np.zeros(n)),),), n).levels[0]
-
-
-def _start(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> tuple[Vector, str]:
-    """Return the point of the bounds next to zero, and why the problem is unusable, if it is."""
-    chi = np.minimum(np.maximum(lower, 0.0), upper)
-    ordered = lower <= upper
-    if not (ordered.all() and math.isfinite(chi.dot(chi))):
-        usable = ordered & np.isfinite(chi)
-        joint = int(np.argmin(usable))
-        reason = f"bounds: joint {joint}: [{lower[joint]}, {upper[joint]}] holds no number"
-        return np.where(usable, chi, 0.0), reason
-    residual = hierarchy.lower if hierarchy.exact else hierarchy.residual(chi)
-    norms = sum([level.norm for level in hierarchy.levels])
-    if not math.isfinite(norms + residual.dot(residual)):
-        slacks = hierarchy.slacks(residual)
-        sizes = [slack + level.norm for slack, level in zip(slacks, hierarchy.levels, strict=True)]
-        k = next((k for k, size in enumerate(sizes) if not math.isfinite(size)), 0)
-        return chi, f"level {k}: a task holds a number that is not finite, or too large"
-    if not hierarchy.exact:
-        for k, level in enumerate(hierarchy.levels):
-            if not (level.lower <= level.upper).all():
-                return chi, f"level {k}: a task has a row whose lower end is above its upper end"
-    return chi, ""
-
-
-def _touched(chi: Vector, bounds: Bounds) -> Signs:
-    """Return -1 where chi is at its lower bound, +1 where it is at its upper bound, or both."""
-    above = chi >= bounds.upper
-    below = chi <= bounds.lower
-    below &= ~above
-    touched: Signs = above.view(np.int8) - below.view(np.int8)
-    return touched

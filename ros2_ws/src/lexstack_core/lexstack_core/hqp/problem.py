@@ -55,6 +55,7 @@ class Solution:
         solve_time: wall time of the solve [s].
         rows: -1, 0 or +1 per row of all levels, in their order: the end at which, or beyond
             which, an inequality row is; 0 for equality rows; shape (M,). It may be empty.
+        note: empty, or which solvers failed before another one solved the problem.
     """
 
     chi: Vector
@@ -64,6 +65,7 @@ class Solution:
     active: NDArray[np.int8]
     solve_time: float
     rows: NDArray[np.int8] = field(default_factory=_no_rows)
+    note: str = ""
 
     @property
     def solved(self) -> bool:

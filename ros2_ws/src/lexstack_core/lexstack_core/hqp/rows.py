@@ -99,31 +99,37 @@ class Hierarchy:
             self.equal = self.lower == self.upper
             self.exact = bool(self.equal.all())
         self.levels: list[LevelRows] = []
+        self.deciding: list[LevelRows] = []
+        self.nearest: Vector = np.zeros(n)
         self.mergeable = 0
-        self.nearest: Vector | None = None
-        start = 0
+        start, freedom = 0, True
         for level in levels:
             end = start + sum([task.lower.size for task in level])
-            self._add(slice(start, end))
+            added = self._add(slice(start, end))
+            freedom = freedom and self._decides(added)
             start = end
-        if self.nearest is None:
-            self.deciding, self.nearest = self.levels, np.zeros(n)
 
-    def _add(self, part: slice) -> None:
+    def _add(self, part: slice) -> LevelRows:
         """Append the level of some rows."""
         matrix, equal = self.matrix[part], self.equal[part]
         flat = matrix.reshape(-1)
         exact = self.exact or bool(equal.all())
         norm = math.sqrt(flat.dot(flat)) or 1.0
-        lower, upper = self.lower[part], self.upper[part]
-        if exact and self.nearest is None:
-            n = matrix.shape[1]
-            unit = _unit(matrix, flat) if len(matrix) == n else 0.0
-            if unit:
-                self.deciding, self.nearest = self.levels.copy(), lower / unit
-            elif part.stop <= n and self.mergeable == len(self.levels):
-                self.mergeable += 1
-        self.levels.append(LevelRows(part, matrix, lower, upper, equal, exact, norm))
+        level = LevelRows(part, matrix, self.lower[part], self.upper[part], equal, exact, norm)
+        self.levels.append(level)
+        return level
+
+    def _decides(self, level: LevelRows) -> bool:
+        """Take a level up among the deciding ones; return whether the levels below have a say."""
+        rows, n = level.matrix.shape
+        scale = unit_scale(level.matrix) if level.exact and rows == n else 0.0
+        if scale:
+            self.nearest = level.lower / scale
+            return False
+        if level.exact and level.part.stop <= n and self.mergeable == len(self.deciding):
+            self.mergeable += 1
+        self.deciding.append(level)
+        return True
 
     def residual(self, chi: Vector) -> Vector:
         """Return the signed distance of every row to its interval, shape (M,)."""
@@ -157,10 +163,11 @@ def _all(size: int) -> Mask:
     return mask
 
 
-def _unit(matrix: Matrix, flat: Vector) -> float:
+def unit_scale(matrix: Matrix) -> float:
     """Return c where a square matrix is c times the unit matrix, else 0."""
-    first: float = matrix.item(0) if matrix.size else 0.0
     n = len(matrix)
+    flat = matrix.reshape(-1)
+    first: float = flat.item(0) if n else 0.0
     if first == 0.0 or flat.item(-1) != first or np.count_nonzero(matrix) != n:
         return 0.0
     same = np.count_nonzero(flat[:: n + 1] == first) == n
