@@ -29,8 +29,8 @@ def message(tick, place, **fields):
     return SimpleNamespace(tick=tick, header=header, place=place, **(defaults | fields))
 
 
-def built(messages, *, by_tick=False):
-    builder = StreamBuilder(Example, 3, by_tick=by_tick)
+def built(messages, keep="all"):
+    builder = StreamBuilder(Example, 3, keep)
     for entry in messages:
         builder.add(entry)
     return builder.build()
@@ -46,7 +46,7 @@ def built(messages, *, by_tick=False):
     ],
 )
 def test_one_message_per_tick_since_the_last_reset(ticks, kept):
-    stream = built([message(tick, i) for i, tick in enumerate(ticks)], by_tick=True)
+    stream = built([message(tick, i) for i, tick in enumerate(ticks)], "first")
     assert stream.place.tolist() == kept
     assert stream.row[:, 0].tolist() == kept
     assert len(stream.ragged) == len(stream.text) == len(kept)
@@ -67,3 +67,10 @@ def test_every_kind_of_column():
 def test_columns_are_read_only_also_without_messages(name):
     for messages in ([], [message(0, 0)]):
         assert not getattr(built(messages), name).flags.writeable
+
+
+def test_the_last_message_of_a_tick_where_a_source_answers_twice():
+    ticks = [7, 8, 0, 1, 1, 3]
+    stream = built([message(tick, i) for i, tick in enumerate(ticks)], "last")
+    assert stream.place.tolist() == [2, 4, 5]
+    assert built([], "last").place.tolist() == []

@@ -9,13 +9,15 @@ from __future__ import annotations
 import dataclasses
 from array import array
 from collections.abc import Callable
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Literal, Protocol, TypeVar
 
 import numpy as np
 
 from lexstack_bag.run import ChiStream, PlantStream, TransitionStream, read_only
 
 T = TypeVar("T", PlantStream, ChiStream, TransitionStream)
+
+Keep = Literal["first", "last", "all"]
 
 
 class _Column(Protocol):

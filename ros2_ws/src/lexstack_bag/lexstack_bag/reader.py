@@ -16,6 +16,7 @@ from lexstack_bag.columns import StreamBuilder, seconds
 from lexstack_bag.container import Container, Progress, RawMessage, find_files
 from lexstack_bag.errors import BagError
 from lexstack_bag.loss import LossCounter
+from lexstack_bag.references import is_usable
 from lexstack_bag.run import (
     ChiStream,
     PlantStream,
@@ -98,10 +99,10 @@ class _Collector:
         n = Team.from_scenario(resolved).n
         self._counts: dict[str, int] = defaultdict(int)
         self._losses: dict[str, LossCounter] = defaultdict(LossCounter)
-        self._plant = StreamBuilder(PlantStream, n, by_tick=True)
-        self._transition = StreamBuilder(TransitionStream, n, by_tick=False)
+        self._plant = StreamBuilder(PlantStream, n, "first")
+        self._transition = StreamBuilder(TransitionStream, n, "all")
         self._chi = {
-            f"/{robot}/chi": StreamBuilder(ChiStream, n, by_tick=True)
+            f"/{robot}/chi": StreamBuilder(ChiStream, n, "last")
             for robot in resolved.scenario.robots
         }
         self._targets: list[Target] = []
@@ -119,10 +120,11 @@ class _Collector:
         if topic == PLANT_STATE:
             state = self._decode(message)
             self._now = seconds(state.header.stamp)
-            self._plant.add(state)
+            if self._plant.add(state):
+                self._begin_anew()
         elif topic in self._chi:
             chi = self._decode(message)
-            self._chi[topic].add(chi)
+            self._chi[topic].add(chi, message.publish_time)
             if topic == COMMAND:
                 self._commanded[0].append(message.publish_time)
                 self._commanded[1].append(chi.tick)
@@ -152,6 +154,11 @@ class _Collector:
             self._requests(),
         )
 
+    def _begin_anew(self) -> None:
+        """Forget what a reset of the plant makes void: requests, and references set by users."""
+        self._requested.clear()
+        self._targets.clear()
+
     def _add_target(self, message: RawMessage) -> None:
         """Take a reference: it holds from its stamp on, or at once if that has passed."""
         robot, _, name = message.topic[1:].partition("/")
@@ -165,8 +172,9 @@ class _Collector:
             max(seconds(value.header.stamp), self._now),
             np.array([place.x, place.y, place.z]),
             np.array([turn.x, turn.y, turn.z, turn.w]),
+            message.log_time,
         )
-        if np.isfinite([*target.position, *target.quaternion]).all():
+        if value.header.frame_id in ("", "world") and is_usable(target):
             self._targets.append(target)
 
     def _requests(self) -> tuple[StackRequested, ...]:

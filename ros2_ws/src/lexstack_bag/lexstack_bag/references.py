@@ -10,6 +10,22 @@ from lexstack_core.references import References, ReferenceSchedule
 from lexstack_core.references import Target as ScheduledTarget
 from lexstack_core.rotation import from_quaternion
 
+# What the controllers refuse, they refuse by these figures; see lexstack_ros.conversions.
+_FARTHEST = 1000.0  # m
+_UNIT = 1e-2  # how far a quaternion's norm may be from 1
+_UPRIGHT = 1e-3  # rad, how far a base target may be tilted
+
+
+def is_usable(target: Target) -> bool:
+    """Return whether the controllers take this target; what they refuse changes nothing."""
+    if not np.isfinite([*target.position, *target.quaternion]).all():
+        return False
+    norm = float(np.linalg.norm(target.quaternion))
+    if abs(norm - 1.0) > _UNIT or np.abs(target.position).max() > _FARTHEST:
+        return False
+    upright = min(max(float(from_quaternion(target.quaternion)[2, 2]), -1.0), 1.0)
+    return target.kind == "ee" or float(np.arccos(upright)) <= _UPRIGHT
+
 
 def references_in_effect(run: Run, team: Team) -> tuple[References, ...]:
     """Return the references at every tick of the plant: the scenario's, then what was published.
@@ -20,11 +36,11 @@ def references_in_effect(run: Run, team: Team) -> tuple[References, ...]:
     schedule = ReferenceSchedule.from_scenario(run.resolved.scenario, team, home)
     for target in run.targets:
         if target.robot in team.names:
-            schedule.add(_scheduled(target, team))
+            schedule.add(scheduled(target, team))
     return tuple(schedule.at(float(stamp)) for stamp in run.plant.stamp)
 
 
-def _scheduled(target: Target, team: Team) -> ScheduledTarget:
+def scheduled(target: Target, team: Team) -> ScheduledTarget:
     """Return a recorded target as the core takes it."""
     rotation = from_quaternion(target.quaternion)
     robot = team.index(target.robot)

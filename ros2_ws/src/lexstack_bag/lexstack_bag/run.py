@@ -7,7 +7,7 @@ world frame, then the arm joints [rad]. Times are simulated seconds. All arrays 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
 from typing import Any, Literal
@@ -74,6 +74,8 @@ class ChiStream:
     empty_bounds: Integers  # (T,) joints with an empty box at the tick
     solve_time: Vector  # (T,) s, wall clock
     reason: Strings  # (T,)
+    # ns since 1970, by the sender's clock; empty: not known
+    sent: Integers = field(default_factory=lambda: read_only(np.zeros(0, np.int64)))  # (T,)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +105,7 @@ class Target:
     time: float  # s, simulated, from which it holds
     position: Vector  # (3,) m, world
     quaternion: Vector  # (4,) x, y, z, w
+    arrived: int = 0  # ns since 1970, by the recorder's clock; 0: not known
 
 
 @dataclass(frozen=True, slots=True)
