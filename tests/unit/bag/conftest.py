@@ -166,6 +166,9 @@ class Maker:
             v=np.zeros(20),
             q_star=self.q(tick),
             command=self.chi(tick - 1) if tick else np.zeros(20),
+            commander="robot_a@host/1/0",
+            sender="plant@host/1/0",
+            resets=0,
             status=0,
             late_ticks=2 if tick > 350 else 0,
             missing_ticks=0,
@@ -189,6 +192,7 @@ class Maker:
             "lexstack_interfaces/msg/Chi",
             stamp=tick / RATE,
             tick=tick,
+            sender=f"{robot}@host/1/0",
             robots=["robot_a", "robot_b"],
             **(defaults | fields),
         )
