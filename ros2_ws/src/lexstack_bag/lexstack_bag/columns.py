@@ -35,39 +35,59 @@ class _Column(Protocol):
 class StreamBuilder(Generic[T]):
     """Takes the messages of one topic whose fields bear the names of the stream's fields."""
 
-    def __init__(self, kind: type[T], n: int, *, by_tick: bool) -> None:
+    def __init__(self, kind: type[T], n: int, keep: Keep) -> None:
         """Start empty.
 
         Args:
             kind: the stream's class; its annotations say how each column is made.
             n: length of chi; a vector of another length (a failed solve has none) becomes nan.
-            by_tick: keep the first message of each tick alone, and begin anew where the ticks
-                do: at a reset of the plant. While it is paused a tick may be told twice.
+            keep: which messages of a tick. Unless all, begin anew where the ticks do: at a reset
+                of the plant. A paused plant tells a tick again; a source answers again when it is
+                asked for another stack.
         """
         self._kind = kind
         self._n = n
-        self._by_tick = by_tick
+        self._keep = keep
         self._restart()
 
-    def add(self, message: Any) -> None:
-        """Append a message."""
+    def add(self, message: Any, sent: int = 0) -> bool:
+        """Append a message that was sent at a time [ns]; return whether the ticks began anew."""
         tick = message.tick
-        if self._by_tick:
-            if tick == self._last:
-                return
-            if tick < self._last:
-                self._restart()
-            self._last = tick
-        for name, column in self._columns.items():
-            column.add(seconds(message.header.stamp) if name == "stamp" else getattr(message, name))
+        anew = self._keep != "all" and tick < self._last
+        if anew:
+            self._restart()
+        if self._keep == "last":
+            if tick != self._last:
+                self._append_waiting()
+            self._waiting = message, sent
+        elif self._keep == "all" or tick != self._last:
+            self._append(message, sent)
+        self._last = tick
+        return anew
 
     def build(self) -> T:
         """Return the stream; take no more messages."""
+        self._append_waiting()
         return self._kind(**{name: column.build() for name, column in self._columns.items()})
+
+    def _append_waiting(self) -> None:
+        """Append the message that another one of its tick might have replaced."""
+        if self._waiting is not None:
+            self._append(*self._waiting)
+            self._waiting = None
+
+    def _append(self, message: Any, sent: int) -> None:
+        """Append a message to the columns."""
+        for name, column in self._columns.items():
+            if name == "stamp":
+                column.add(seconds(message.header.stamp))
+            else:
+                column.add(sent if name == "sent" else getattr(message, name))
 
     def _restart(self) -> None:
         """Forget all."""
         self._last = -1
+        self._waiting: tuple[Any, int] | None = None
         self._columns = {
             field.name: _COLUMNS[str(field.type)](self._n)
             for field in dataclasses.fields(self._kind)
