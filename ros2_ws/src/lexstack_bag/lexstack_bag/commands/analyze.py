@@ -39,7 +39,7 @@ def analyze(
     run = read_run(bag, ProgressBar("reading"))
     total = sum(run.messages.values())
     progress(f"read {total} messages of {len(run.messages)} topics from {run.path.name}")
-    folder = out or _run_folder(run.path)
+    folder = out or run_folder(run.path)
     measures = measure(run)
     phases = find_phases(run)
     metrics = compute_metrics(run, measures, phases)
@@ -55,7 +55,7 @@ def analyze(
     return metrics
 
 
-def _run_folder(file: Path) -> Path:
+def run_folder(file: Path) -> Path:
     """Return the run folder of an .mcap file; a file on its own keeps its results beside it."""
     bag = file.resolve().parent
     return bag.parent if bag.name == "bag" or (bag / "metadata.yaml").is_file() else bag

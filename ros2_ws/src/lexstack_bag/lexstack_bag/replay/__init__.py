@@ -1,0 +1,1 @@
+"""Replay: what a bag holds goes through the controllers' core again."""
