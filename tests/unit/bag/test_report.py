@@ -34,7 +34,7 @@ def html(out):
 
 
 def figures(html: str) -> dict[str, dict]:
-    pattern = r"<script type='application/json' data-figure='([\w-]+)'>(.*?)</script>"
+    pattern = r"<script type='application/json' data-figure='([\w-]+)'[^>]*>(.*?)</script>"
     return {name: json.loads(text) for name, text in re.findall(pattern, html, re.DOTALL)}
 
 
@@ -45,19 +45,47 @@ def values(trace: dict) -> np.ndarray:
 
 def test_every_figure_is_there(html):
     found = figures(html)
-    assert list(found) == ["poses", "errors", "switch-a", "computation", "smoothness", "bounds"]
-    assert html.count("<h2>") == 4 + len(found) + 1
+    assert list(found) == [
+        "timeline",
+        "poses",
+        "errors",
+        "from-above",
+        "switch-a",
+        "computation",
+        "levels",
+        "smoothness",
+        "bounds",
+    ]
+    assert html.count("<h2>") == 5 + len(found) + 1
     for name in found:
         assert f"<div id='{name}'" in html
 
 
 def test_every_axis_at_the_edge_has_a_title_with_a_unit(html):
-    for figure in figures(html).values():
+    for name, figure in figures(html).items():
         for key, axis in figure["layout"].items():
-            if key.startswith("yaxis"):
+            if key.startswith("yaxis") and name != "timeline":
                 assert re.search(r"\[.+\]", axis["title"]["text"])
-        times = [a for k, a in figure["layout"].items() if k.startswith("xaxis")]
-        assert any(axis["title"]["text"] == "simulated time [s]" for axis in times)
+        across = [a for k, a in figure["layout"].items() if k.startswith("xaxis")]
+        title = "x [m]" if name == "from-above" else "simulated time [s]"
+        assert any(axis["title"]["text"] == title for axis in across)
+
+
+def test_what_is_shown_under_the_pointer_has_a_unit(html):
+    for name, figure in figures(html).items():
+        for trace in figure["data"]:
+            if trace["name"] != "α" and name != "smoothness":
+                assert re.search(
+                    r"\} (mm|m|ms|s|m/s|rad/s|rad|m/s, rad/s)$", trace["hovertemplate"]
+                )
+
+
+def test_lines_of_one_plot_differ_in_colour_or_style(html):
+    for figure in figures(html).values():
+        lines = [t for t in figure["data"] if t.get("mode") == "lines" and t.get("visible", True)]
+        seen = {(t.get("yaxis"), t["line"]["color"], t["line"]["dash"]) for t in lines}
+        bounds = sum("bound" in t["name"] for t in lines)  # the two edges of one area
+        assert len(seen) == len(lines) - bounds // 2
 
 
 def test_switches_are_marked_with_their_stack(html):
@@ -91,8 +119,11 @@ def test_the_source_is_dashed_and_ends_with_the_blend(html):
 
 
 def test_it_loads_nothing(html):
-    own = re.sub(r"<script>/\*\*\n\* plotly\.js.*?</script>", "", html, flags=re.DOTALL)
+    own = re.sub(r"<script type='text/plain' id='plotly'>.*?</script>", "", html, flags=re.DOTALL)
     assert len(own) < len(html) - 4 * MEGABYTE
+    own = re.sub(
+        r"<script>/\*\*\n \* @license\n[^<]*Three.js Authors.*?</script>", "", own, flags=re.DOTALL
+    )
     assert not re.findall(r"https?://", own)
     assert "default-src 'none'" in own
     assert not re.findall(r"<(?:link|iframe|object)|@import|<script[^>]*\ssrc=", html)
@@ -182,4 +213,4 @@ def test_a_run_without_a_command_is_analysed_as_well(plant_alone, tmp_path, monk
     assert metrics.peak_acceleration_ratio is None
     assert [phase.stack for phase in metrics.phases] == ["track"]
     assert metrics.solve_us["robot_a"] == {"median": None, "p99": None}
-    assert len(figures((tmp_path / "report.html").read_text(encoding="utf-8"))) == 5
+    assert len(figures((tmp_path / "report.html").read_text(encoding="utf-8"))) == 7

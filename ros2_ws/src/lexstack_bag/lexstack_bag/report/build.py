@@ -8,7 +8,7 @@ from pathlib import Path
 from lexstack_bag.measures import Measures
 from lexstack_bag.metrics import Metrics
 from lexstack_bag.phases import Phase
-from lexstack_bag.report import control, motion, switches
+from lexstack_bag.report import control, motion, switches, view
 from lexstack_bag.report.page import page
 from lexstack_bag.report.pictures import pictures
 from lexstack_bag.report.traces import Grid
@@ -25,15 +25,22 @@ def write_report(
 ) -> None:
     """Write the report of a run to one HTML file."""
     grid = Grid.of(run)
+    levels = control.levels(run, phases, grid)
     figures = [
+        motion.stacks(phases, grid),
         motion.poses(run, measures, phases, grid),
         motion.errors(run, measures, phases, grid),
+        motion.from_above(run, measures),
         *switches.switches(run, phases, grid),
         control.computation(run, phases, grid),
+        *([] if levels is None else [levels]),
         control.smoothness(run, measures, phases, grid),
         control.bounds(run, phases, grid),
     ]
     progress(f"drew {len(figures)} figures")
+    moving, no_view = view.view(run, measures, phases)
+    if no_view:
+        progress(f"no 3-D view: {no_view}")
     shots, reason = pictures(run, measures, phases)
     progress(f"rendered {len(shots)} pictures" if shots else f"no pictures: {reason}")
-    path.write_text(page(run, metrics, figures, shots, reason), encoding="utf-8")
+    path.write_text(page(run, metrics, figures, moving, shots, reason), encoding="utf-8")

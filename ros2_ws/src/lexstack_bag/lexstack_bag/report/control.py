@@ -14,9 +14,11 @@ from lexstack_bag.report.layout import level, stacked
 from lexstack_bag.report.traces import (
     BLACK,
     BLUE,
+    DASHES,
     GREEN,
     ORANGE,
     PURPLE,
+    SERIES,
     SKY,
     VERMILLION,
     Grid,
@@ -26,6 +28,7 @@ from lexstack_bag.report.traces import (
 from lexstack_bag.run import Run, TransitionPhase
 
 _COLORS = (BLUE, VERMILLION, GREEN, ORANGE)
+_LEAST = 1e-9  # m/s, rad/s: a logarithm has no zero
 _UNDER_WAY = (TransitionPhase.PREPARING, TransitionPhase.BLENDING, TransitionPhase.ADOPTING)
 
 
@@ -38,17 +41,17 @@ def computation(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
             continue
         milliseconds = 1e3 * chi.solve_time
         medians.append(f"{name} {np.median(milliseconds):.2f} ms")
-        color = _COLORS[i % len(_COLORS)]
-        series = grid.series(chi.tick, milliseconds, peaks=True)
-        traces.append(line(series, f"{name}", color, width=1.0))
+        color, dash = _COLORS[i % len(_COLORS)], DASHES[2 * i % len(DASHES)]
+        series = grid.series(chi.tick, milliseconds)
+        traces.append(line(series, name, color, dash=dash, unit="ms", width=1.0))
     status = run.transition
     under_way = np.isin(status.phase, _UNDER_WAY)  # at other times neither means anything
-    for row, name, color, values in (
-        (2, "α", BLACK, status.alpha),
-        (3, "gap to the source", PURPLE, status.gap),
+    for row, name, color, unit, values in (
+        (2, "α", BLACK, "", status.alpha),
+        (3, "gap to the source", PURPLE, "m/s, rad/s", status.gap),
     ):
-        series = grid.series(status.tick, np.where(under_way, values, np.nan), peaks=True)
-        traces.append(line(series, name, color, row=row))
+        series = grid.series(status.tick, np.where(under_way, values, np.nan))
+        traces.append(line(series, name, color, row=row, unit=unit))
     return Figure(
         "computation",
         "Solve times, α and the gap",
@@ -70,7 +73,7 @@ def smoothness(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid
         worst = np.full(len(ratios), np.nan)
         worst[known] = np.nanmax(ratios[known], axis=1)
         name, color = ("acceleration", BLUE) if row == 1 else ("jerk", ORANGE)
-        traces.append(line(grid.series(ticks, worst, peaks=True), name, color, row=row))
+        traces.append(line(grid.series(ticks, worst), name, color, row=row))
     layout = stacked(["acceleration / limit [-]", "jerk / limit [-]"], 180, phases, grid.span)
     layout["shapes"].append(level(1.0, 1, VERMILLION))
     for key in ("yaxis", "yaxis2"):
@@ -86,23 +89,52 @@ def smoothness(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid
     )
 
 
+def levels(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure | None:
+    """Return the residual of every level of the stack that was solved; None without any."""
+    command = run.chi[COMMANDER]
+    slacks = np.asarray(command.slacks)
+    if not slacks.size:
+        return None
+    traces = [
+        line(
+            grid.series(command.tick, np.maximum(slacks[:, k], _LEAST)),
+            f"level {k + 1}",
+            SERIES[k % len(SERIES)],
+            dash=DASHES[k % len(DASHES)],
+            unit="m/s, rad/s",
+        )
+        for k in range(slacks.shape[1])
+    ]
+    layout = stacked(["residual [m/s, rad/s]"], 300, phases, grid.span)
+    layout["yaxis"] |= {"type": "log", "dtick": 2, "exponentformat": "power"}
+    return Figure(
+        "levels",
+        "What each level leaves",
+        "The 2-norm of the residual of each level in robot A's problem, level 1 first, in the "
+        "units of the level's tasks. While a blend runs these are the levels of the blend. Values "
+        "below 1e-9 are drawn there.",
+        traces,
+        layout,
+    )
+
+
 def bounds(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
     """Return command, measured velocity and bounds of any one joint."""
     command, plant = run.chi[COMMANDER], run.plant
     traces: list[Plain] = []
     choices = _joints(run)
     for joint in range(len(choices)):
-        shown: dict[str, Any] = {"visible": joint == 0}
+        unit = choices[joint].partition("[")[2].rstrip("]")
+        style: dict[str, Any] = {"visible": joint == 0, "unit": unit}
         lower = grid.series(command.tick, command.lower[:, joint])
         upper = grid.series(command.tick, command.upper[:, joint])
         fill: dict[str, Any] = {"fill": "tonexty", "fillcolor": "rgba(86, 180, 233, 0.28)"}
+        measured = grid.series(plant.tick, plant.v[:, joint])
         traces += [
-            line(lower, "lower bound", SKY, width=0.8, legend=False, **shown),
-            line(upper, "bounds on χ", SKY, width=0.8, **fill, **shown),
-            line(
-                grid.series(plant.tick, plant.v[:, joint]), "measured", ORANGE, width=1.2, **shown
-            ),
-            line(grid.series(command.tick, command.chi[:, joint]), "command", BLUE, **shown),
+            line(lower, "lower bound", SKY, width=0.8, legend=False, **style),
+            line(upper, "bounds on χ", SKY, width=0.8, **fill, **style),
+            line(measured, "measured", ORANGE, dash="dot", width=1.6, **style),
+            line(grid.series(command.tick, command.chi[:, joint]), "command", BLUE, **style),
         ]
     return Figure(
         "bounds",

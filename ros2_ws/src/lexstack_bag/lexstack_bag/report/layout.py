@@ -97,6 +97,14 @@ def grid(
     return layout
 
 
+def single(x_title: str, y_title: str, height: int) -> Plain:
+    """Return the layout of one plot with these axis titles; height of the plot [px]."""
+    layout = _base(height + _TOP + _BOTTOM)
+    layout["xaxis"] = _axis(x_title, anchor="y")
+    layout["yaxis"] = _axis(y_title, anchor="x")
+    return layout
+
+
 def marks(phases: Sequence[Phase]) -> Plain:
     """Return vertical lines at the switches, with the stacks' names above the plots."""
     switches = list(zip(letters(phases), phases[1:], strict=True))

@@ -8,9 +8,10 @@ import numpy as np
 
 from lexstack_bag.measures import Measures
 from lexstack_bag.phases import Phase
+from lexstack_bag.report.blocks import Path, Span, paths_from_above, timeline
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.layout import level, stacked
-from lexstack_bag.report.traces import BLUE, GREEN, GREY, VERMILLION, Grid, line
+from lexstack_bag.report.traces import BLUE, DASHES, GREEN, GREY, SERIES, VERMILLION, Grid, line
 from lexstack_bag.run import Run
 
 _AXES = (("x", BLUE), ("y", VERMILLION))
@@ -31,6 +32,7 @@ def poses(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> 
         axes = (*_AXES, (third, GREEN))
         for k, (axis, color) in enumerate(axes):
             new = row == 1 or (k == 2 and row == len(run.robots) + 1)
+            unit = "rad" if axis == "yaw" else "m"
             ticks = run.plant.tick
             traces += [
                 line(
@@ -38,15 +40,16 @@ def poses(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> 
                     f"{axis} desired",
                     color,
                     row=row,
-                    dash="dash",
+                    dash=DASHES[1 + k],
+                    unit=unit,
                     legend=new,
                 ),
-                line(grid.series(ticks, actual[:, k]), axis, color, row=row, legend=new),
+                line(grid.series(ticks, actual[:, k]), axis, color, row=row, unit=unit, legend=new),
             ]
     return Figure(
         "poses",
         "Both end effectors and both bases, measured and desired",
-        "Fig. 5 of the paper. Solid: measured pose; dashed: the reference in effect. Base "
+        "Fig. 5 of the paper. Solid: measured pose; broken: the reference in effect. Base "
         "references hold at all times but bind only while the stack has a base task. Vertical "
         "lines mark the switches.",
         traces,
@@ -61,9 +64,10 @@ def errors(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) ->
     for row, values in enumerate((measures.ee_error, measures.base_error), start=1):
         for i, name in enumerate(run.robots):
             shown = np.maximum(values[:, i], 1e-3)  # a logarithm has no zero
-            series = grid.series(run.plant.tick, shown, peaks=True)
-            color = colors[i % len(colors)]
-            traces.append(line(series, name, color, row=row, legend=row == 1))
+            series = grid.series(run.plant.tick, shown)
+            color, dash = colors[i % len(colors)], DASHES[i % len(DASHES)]
+            trace = line(series, name, color, row=row, dash=dash, unit="mm", legend=row == 1)
+            traces.append(trace)
     layout = stacked(["EE error [mm]", "base error [mm]"], 200, phases, grid.span)
     for key in ("yaxis", "yaxis2"):
         layout[key] |= {"type": "log", "dtick": 1, "exponentformat": "power"}
@@ -76,4 +80,47 @@ def errors(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) ->
         "fault: nothing asks for it there. Values below 1 µm are drawn at 1 µm.",
         traces,
         layout,
+    )
+
+
+def from_above(run: Run, measures: Measures) -> Figure:
+    """Return the ways of bases and end effectors over the floor."""
+    paths = []
+    for i, name in enumerate(run.robots):
+        color = SERIES[i % len(SERIES)]
+        base, tool = measures.base[:, i], measures.ee[:, i]
+        paths.append(Path(f"{name} base", base[:, 0], base[:, 1], color, "solid"))
+        paths.append(Path(f"{name} EE", tool[:, 0], tool[:, 1], color, "dot"))
+    obstacles = run.team().obstacles
+    begin = obstacles.at(float(measures.time[0]))
+    circles = [(c[0], c[1], r) for c, r in zip(begin.tolist(), obstacles.radii, strict=True)]
+    targets = {
+        f"last EE target, {name}": tuple(measures.ee_target[-1, i, :2].tolist())
+        for i, name in enumerate(run.robots)
+    }
+    return paths_from_above(
+        "from-above",
+        "The ways of bases and end effectors, from above",
+        "Solid: the bases; dotted: the end effectors; a dot: where they began. Circles: obstacles "
+        "at the beginning.",
+        paths,
+        targets,
+        circles,
+    )
+
+
+def stacks(phases: Sequence[Phase], grid: Grid) -> Figure:
+    """Return which stack was in effect when, and what was blended."""
+    spans = [Span("stack", phase.stack, phase.start, phase.end) for phase in phases]
+    spans += [
+        Span("transition", f"to {phase.stack}", phase.start, phase.adopted or phase.end)
+        for phase in phases[1:]
+    ]
+    return timeline(
+        "timeline",
+        "Stacks over time",
+        "Top: the stack that robot A is on or on its way to. Below: from the trigger until the "
+        "stack was taken over.",
+        spans,
+        grid.span,
     )

@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from html import escape
-from importlib import resources
 
 from lexstack_bag.metrics import STEADY_WINDOW, Metrics
-from lexstack_bag.report import tables
+from lexstack_bag.report import inline, tables
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.pictures import Picture
 from lexstack_bag.run import Run
@@ -24,6 +23,7 @@ def page(
     run: Run,
     metrics: Metrics,
     figures: Sequence[Figure],
+    view: str,
     shots: Sequence[Picture],
     no_shots: str,
 ) -> str:
@@ -33,20 +33,39 @@ def page(
         run: the run.
         metrics: its figures.
         figures: the plots, in their order.
+        view: the section with the 3-D view, or with the word why there is none.
         shots: the pictures; empty where they could not be rendered.
         no_shots: why there are none.
     """
-    title = f"{metrics.scenario}: lexstack run"
-    parts = _shots(shots, no_shots) + "".join(map(_figure, figures)) + _topics(metrics)
+    first, *others = map(figure_html, figures)
+    parts = view + first + _shots(shots, no_shots) + "".join(others) + _topics(metrics)
+    return document(
+        f"{metrics.scenario}: lexstack run",
+        f"{_header(run, metrics, figures)}<main class='wrap'>{_figures_first(metrics)}"
+        f"{parts}{footer(run)}</main>",
+        three="view3d-data" in view,
+    )
+
+
+def document(title: str, body: str, *, three: bool = False) -> str:
+    """Return a whole page with all that it needs in itself.
+
+    Args:
+        title: plain text.
+        body: HTML; figures in it are drawn, tables in it can be sorted.
+        three: whether a 3-D view is in it.
+    """
+    libraries = [inline.script("page.js"), inline.script("tables.js")]
+    if three:
+        libraries += [inline.three(), inline.script("view3d.js"), inline.script("player.js")]
     return (
         "<!DOCTYPE html>\n"
         '<html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{escape(title)}</title><style>{_resource('page.css')}</style></head>\n<body>"
-        f"{_header(run, metrics, figures)}<main class='wrap'>{_figures_first(metrics)}"
-        f"{parts}{_footer(run)}</main>\n"
-        f"<script>{_plotly()}</script>\n<script>{_resource('page.js')}</script>\n</body></html>\n"
+        f"<title>{escape(title)}</title><style>{inline.script('page.css')}</style></head>\n"
+        f"<body>{body}\n<script type='text/plain' id='plotly'>{inline.plotly()}</script>\n"
+        f"{inline.scripts(*libraries)}\n</body></html>\n"
     )
 
 
@@ -114,7 +133,7 @@ def _topics(metrics: Metrics) -> str:
     )
 
 
-def _figure(figure: Figure) -> str:
+def figure_html(figure: Figure) -> str:
     """Return one plot with its heading and caption."""
     data = json.dumps({"data": figure.traces, "layout": figure.layout}, separators=(",", ":"))
     data = data.replace("</", "<\\/")  # a closing tag inside the text would end the script
@@ -124,26 +143,14 @@ def _figure(figure: Figure) -> str:
         f"<section id='{figure.name}-section'><h2>{figure.title}</h2>"
         f"<p class='caption'>{figure.caption}</p>{select if figure.choices else ''}"
         f"<div id='{figure.name}' data-linked='{'yes' if figure.linked else 'no'}'></div>"
-        f"<script type='application/json' data-figure='{figure.name}'>"
-        f"{data}</script></section>"
+        f"<script type='application/json' data-figure='{figure.name}'"
+        f" data-height='{figure.layout['height']}'>{data}</script></section>"
     )
 
 
-def _footer(run: Run) -> str:
+def footer(run: Run) -> str:
     """Return the versions that made the run."""
     versions = ", ".join(
         f"{key} {value}" for key, value in run.facts.items() if key not in ("name", "mode", "seed")
     )
     return f"<footer>Made with {escape(versions)}.</footer>"
-
-
-def _resource(name: str) -> str:
-    """Return the text of a file of this package."""
-    return resources.files("lexstack_bag.report").joinpath(name).read_text(encoding="utf-8")
-
-
-def _plotly() -> str:
-    """Return plotly.js."""
-    from plotly.offline import get_plotlyjs  # noqa: PLC0415 - slow to load
-
-    return str(get_plotlyjs())

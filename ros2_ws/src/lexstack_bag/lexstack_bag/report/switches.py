@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,14 +19,17 @@ from lexstack_bag.run import Run
 SOURCE = "robot_b"  # whose chi is the target of a transition
 _BASE_NAMES = ("x", "y", "yaw")
 _BEFORE, _AFTER = 0.4, 0.8  # s, shown around the blend
+_MOST = 12  # switches that are drawn: keeps the file of a long run small
 
 
 def switches(run: Run, phases: Sequence[Phase], grid: Grid) -> list[Figure]:
     """Return one figure for every switch, as the paper's Figs. 6 to 8."""
-    return [
-        _switch(run, label, before, phase, grid)
-        for label, before, phase in zip(letters(phases), phases, phases[1:], strict=False)
-    ]
+    entries = list(zip(letters(phases), phases, phases[1:], strict=False))
+    figures = [_switch(run, label, before, phase, grid) for label, before, phase in entries[:_MOST]]
+    if len(entries) > _MOST:
+        more = f" The {len(entries) - _MOST} switches after it are not drawn."
+        figures[-1] = replace(figures[-1], caption=figures[-1].caption + more)
+    return figures
 
 
 def _switch(run: Run, label: str, before: Phase, phase: Phase, grid: Grid) -> Figure:
@@ -76,7 +80,8 @@ def _solutions(
     traces: list[Plain] = []
     for k, joint in enumerate(joints):
         name = _BASE_NAMES[k] if base else f"joint {k + 1}"
-        style: dict[str, Any] = {"row": plot, "legend": legend}
+        unit = "m/s" if base and name != "yaw" else "rad/s"
+        style: dict[str, Any] = {"row": plot, "legend": legend, "unit": unit}
         color = SERIES[k % len(SERIES)]
         if source is not None and np.any((source.stamp >= span[0]) & (source.stamp <= span[1])):
             series = grid.window(source.tick, source.chi[:, joint], *span)

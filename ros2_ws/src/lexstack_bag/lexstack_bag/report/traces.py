@@ -21,9 +21,11 @@ Plain = dict[str, Any]
 BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
 ORANGE, SKY, PURPLE, BLACK = "#E69F00", "#56B4E9", "#CC79A7", "#000000"
 SERIES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")  # told apart without colour
 GREY = "#6B7785"
 
 _MOST_SAMPLES = 4000  # of one series: more cannot be seen
+_MOST_NUMBERS = 80_000  # over the samples of one series of each joint: keeps the file small
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +37,7 @@ class Grid:
         count: number of ticks.
         start: time of the first tick [s].
         period: of a tick [s].
-        stride: ticks per drawn sample.
+        stride: ticks per drawn sample; above 1 the least and the largest of 2 strides are drawn.
     """
 
     first: int
@@ -49,7 +51,7 @@ class Grid:
         """Return the grid from a run's first tick of the plant to its last."""
         ticks = run.plant.tick
         count = int(ticks[-1] - ticks[0]) + 1
-        stride = -(-count // _MOST_SAMPLES)
+        stride = -(-count // min(_MOST_SAMPLES, _MOST_NUMBERS // run.plant.q.shape[1]))
         return cls(int(ticks[0]), count, float(run.plant.stamp[0]), run.period, stride)
 
     @property
@@ -65,16 +67,10 @@ class Grid:
         dense[np.isinf(dense)] = np.nan
         return dense
 
-    def series(self, ticks: NDArray[np.int64], values: Any, *, peaks: bool = False) -> Plain:
-        """Return ``x0``, ``dx``, ``y`` of a trace; ``peaks`` keeps the largest of each stride."""
-        dense = self.spread(ticks, values)
-        if peaks and self.stride > 1:
-            padded = np.full(-(-self.count // self.stride) * self.stride, np.nan)
-            padded[: self.count] = dense
-            dense = np.fmax.reduce(padded.reshape(-1, self.stride), axis=1)
-        else:
-            dense = dense[:: self.stride]
-        return {"x0": self.start, "dx": self.period * self.stride, "y": typed(dense)}
+    def series(self, ticks: NDArray[np.int64], values: Any) -> Plain:
+        """Return ``x0``, ``dx``, ``y`` of a trace that shows every peak."""
+        drawn = extremes(self.spread(ticks, values), self.stride)
+        return {"x0": self.start, "dx": self.period * self.stride, "y": typed(drawn)}
 
     def window(self, ticks: NDArray[np.int64], values: Any, begin: float, end: float) -> Plain:
         """Return ``x0``, ``dx``, ``y`` of the part between two times [s], every tick of it."""
@@ -82,6 +78,25 @@ class Grid:
         high = min(self.count, int(np.ceil((end - self.start) / self.period)) + 1)
         dense = self.spread(ticks, values)[low:high]
         return {"x0": self.start + low * self.period, "dx": self.period, "y": typed(dense)}
+
+
+def extremes(values: NDArray[np.float64], stride: int) -> NDArray[np.float64]:
+    """Return the least and the largest of every 2 strides, in the order in which they come.
+
+    A stride of 1 leaves all as it is. Where all of 2 strides are nan, so is what is returned.
+    """
+    if stride == 1:
+        return values
+    padded = np.full(-(-len(values) // (2 * stride)) * 2 * stride, np.nan)
+    padded[: len(values)] = values
+    rows = padded.reshape(-1, 2 * stride)
+    low, high = np.fmin.reduce(rows, axis=1), np.fmax.reduce(rows, axis=1)
+    unknown = np.isnan(rows)
+    first_low = np.argmin(np.where(unknown, np.inf, rows), axis=1)
+    first_high = np.argmax(np.where(unknown, -np.inf, rows), axis=1)
+    falls = first_high < first_low
+    pairs = np.column_stack([np.where(falls, high, low), np.where(falls, low, high)])
+    return pairs.ravel()
 
 
 def typed(values: NDArray[np.float64]) -> Plain:
@@ -97,11 +112,15 @@ def line(
     *,
     row: int = 1,
     dash: str = "solid",
+    unit: str = "",
     width: float = 1.6,
     legend: bool = True,
     **more: Any,
 ) -> Plain:
-    """Return a line trace in subplot ``row``; traces of one name share a legend entry."""
+    """Return a line trace in subplot ``row``; traces of one name share a legend entry.
+
+    What is shown under the pointer ends with ``unit``.
+    """
     suffix = "" if row == 1 else str(row)
     return {
         "type": "scatter",
@@ -114,5 +133,6 @@ def line(
         "xaxis": f"x{suffix}",
         "yaxis": f"y{suffix}",
         "hoverlabel": {"namelength": -1},
+        "hovertemplate": f"%{{y:.5g}} {unit}".rstrip(),
         **more,
     }

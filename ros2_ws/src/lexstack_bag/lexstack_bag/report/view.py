@@ -1,0 +1,137 @@
+"""The run in three dimensions: what the viewer in the page plays, as plain data."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from lexstack_bag.measures import Measures
+from lexstack_bag.phases import Phase
+from lexstack_bag.report.figure import letters
+from lexstack_bag.report.traces import BLUE, GREEN, PURPLE, VERMILLION, Plain
+from lexstack_bag.run import Run, TransitionPhase
+from lexstack_core.linear import Matrix, Vector
+from lexstack_core.rotation import to_quaternion
+
+_MOST_FRAMES = 6000  # 100 a second for a minute; the viewer goes evenly from one to the next
+_MOST_POINTS = 3000  # of a path
+_MOST_MARKS = 20
+# The robots' own colours: what leads them is orange and blue.
+_COLORS = (VERMILLION, BLUE, GREEN, PURPLE)
+_MARGIN = np.array([0.5, 0.5, 0.1])  # m, around tools and bases
+
+
+def view(run: Run, measures: Measures, phases: Sequence[Phase]) -> tuple[str, str]:
+    """Return the section with the 3-D view and its data, or a note, and why there is no view.
+
+    The robots' shapes come from the simulation package; a report can do without.
+    """
+    try:
+        from lexstack_sim.scene import scene  # noqa: PLC0415 - optional, and slow to load
+
+        shapes = scene(run.team())
+    except Exception as error:  # noqa: BLE001 - whatever keeps it from working, the rest stands
+        reason = f"{type(error).__name__}: {' '.join(str(error).split()) or 'no message'}"
+        return _section(f"<p class='note'>No 3-D view: {escape(reason)}</p>"), reason
+    data = json.dumps(
+        {"scene": shapes, **play_data(run, measures, phases)}, separators=(",", ":")
+    ).replace("</", "<\\/")
+    return _section(
+        "<div id='view3d'></div><div class='player'><button id='view3d-play'>Play</button>"
+        "<input id='view3d-time' type='range' aria-label='simulated time [s]'>"
+        "<span id='view3d-label'></span><label>speed <select id='view3d-speed'>"
+        "<option value='0.25'>¼×</option><option value='1' selected>1×</option>"
+        "<option value='4'>4×</option><option value='16'>16×</option></select></label></div>"
+        "<div id='view3d-marks' class='marks'></div>"
+        f"<script type='application/json' id='view3d-data'>{data}</script>"
+    ), ""
+
+
+def play_data(run: Run, measures: Measures, phases: Sequence[Phase]) -> Plain:
+    """Return the frames, paths and marks of a run for ``player.js``."""
+    count = len(measures.time)
+    rows = np.unique(np.linspace(0, count - 1, min(count, _MOST_FRAMES)).round().astype(int))
+    obstacles = run.team().obstacles
+    centers = np.array([obstacles.at(float(time)) for time in measures.time[rows]])
+    frames = {
+        "time": measures.time[rows],
+        "q": run.plant.q[rows],
+        "ee": _targets(measures, rows),
+        "obstacles": centers,
+        "alpha": _alpha(run, measures.time[rows]),
+    }
+    switches = list(zip(letters(phases), phases[1:], strict=True))[:_MOST_MARKS]
+    return {
+        "frames": {name: _packed(values) for name, values in frames.items()},
+        "paths": _paths(measures),
+        "radii": obstacles.radii.tolist(),
+        "box": _box(measures),
+        "marks": [{"label": k, "time": phase.start, "name": phase.stack} for k, phase in switches],
+        "stacks": [{"name": phase.stack, "start": phase.start} for phase in phases],
+    }
+
+
+def _section(content: str) -> str:
+    """Return the section's HTML."""
+    return (
+        "<section id='view-section'><h2>The run in three dimensions</h2><p class='caption'>From "
+        "the recorded positions. Frames: the end effectors' references in effect; lines: the "
+        "paths of the end effectors, dark: of the bases; balls: obstacles. Drag to turn, click "
+        "and use the wheel to zoom, drag with the right button to move. A click into a plot below "
+        f"sets the time here.</p>{content}</section>"
+    )
+
+
+def _targets(measures: Measures, rows: Any) -> Matrix:
+    """Return position and quaternion of every reference, shape (rows, 7 N)."""
+    known: dict[int, Vector] = {}  # references stay the same objects while they hold
+
+    def flat(pose: Any) -> Vector:
+        if id(pose) not in known:
+            known[id(pose)] = np.concatenate([pose.position, to_quaternion(pose.rotation)])
+        return known[id(pose)]
+
+    return np.array([np.concatenate([flat(p) for p in measures.references[i].ee]) for i in rows])
+
+
+def _alpha(run: Run, times: Vector) -> Vector:
+    """Return alpha at these times [s]; nan while nothing is blended."""
+    status = run.transition
+    if not len(status.stamp):
+        return np.full(len(times), np.nan)
+    last = np.searchsorted(status.stamp, times + 1e-6, "right") - 1
+    blending = (last >= 0) & (status.phase[last] == TransitionPhase.BLENDING)
+    return np.where(blending, status.alpha[last], np.nan)
+
+
+def _paths(measures: Measures) -> list[Plain]:
+    """Return the lines that tools and bases went along."""
+    stride = -(-len(measures.time) // _MOST_POINTS)
+    paths = []
+    for i in range(measures.ee.shape[1]):
+        base = measures.base[::stride, i].copy()
+        base[:, 2] = 0.005  # m, above the floor
+        paths.append(
+            {"color": _COLORS[i % len(_COLORS)], "points": _packed(measures.ee[::stride, i])}
+        )
+        paths.append({"color": "#333333", "points": _packed(base)})
+    return paths
+
+
+def _box(measures: Measures) -> list[list[float]]:
+    """Return the lower and upper corner [m] of what the robots reach."""
+    base = measures.base.reshape(-1, 3) * (1, 1, 0)
+    points = np.concatenate([measures.ee.reshape(-1, 3), base])
+    lower, upper = points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN
+    return [[*lower[:2].tolist(), 0.0], upper.tolist()]
+
+
+def _packed(values: Any) -> str:
+    """Return numbers in single precision and base64."""
+    data = np.ascontiguousarray(values, dtype="<f4").tobytes()
+    return base64.b64encode(data).decode("ascii")
