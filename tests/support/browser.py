@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import contextlib
-import fcntl
 import io
 import json
 import os
@@ -58,17 +57,13 @@ class Browser:
             pytest.skip("no Chromium; ./scripts/test installs it as root: apt-get install chromium")
         self._profile = tempfile.TemporaryDirectory(prefix="lexstack-browser-")
         there, back = os.pipe(), os.pipe()
-        ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (there[0], back[1])]
-        os.close(there[0])
-        os.close(back[1])
-
-        def connect() -> None:
-            """Chromium reads commands from descriptor 3 and answers on 4."""
-            os.dup2(ends[0], 3)
-            os.dup2(ends[1], 4)
-
+        ends = (there[0], back[1])
         self._process = subprocess.Popen(
             [
+                "bash",  # gives Chromium the descriptors 3 and 4 that it reads and writes
+                "-c",
+                f'exec "$@" 3<&{ends[0]} 4>&{ends[1]}',
+                "bash",
                 program,
                 *FLAGS,
                 "--remote-debugging-pipe",
@@ -76,8 +71,7 @@ class Browser:
                 f"--window-size={size[0]},{size[1]}",
                 "about:blank",
             ],
-            preexec_fn=connect,
-            pass_fds=(3, 4),
+            pass_fds=ends,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
