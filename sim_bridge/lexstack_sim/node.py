@@ -24,6 +24,7 @@ from lexstack_ros.diagnostics import Diagnostics, Health
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.qos import STREAM
 from lexstack_ros.readiness import Readiness
+from lexstack_ros.senders import SoleSender
 from lexstack_ros.spin import run_node
 from lexstack_sim.cycle import Cycle
 from lexstack_sim.memory import Status
@@ -45,12 +46,13 @@ class SimBridge(Node):
         super().__init__("sim_bridge")
         resolved = scenario_parameter(self)
         scenario = resolved.scenario
-        self._options = BridgeOptions.declare(self, scenario)
+        self._options = BridgeOptions.declare(self)
         self._team = Team.from_scenario(resolved)
-        self._plant = Plant(resolved, self._team, self._options.seed)
-        self._pacer = Pacer(self._options.mode, self._plant.period, scenario.timeouts.command_wall)
+        self._plant = Plant(resolved, self._team, scenario.seed)
+        self._pacer = Pacer(scenario.mode, self._plant.period, scenario.timeouts.command_wall)
         last = round(scenario.duration * scenario.rate)
         self._cycle = Cycle(self._plant, self._pacer, last, self._publish, monotonic)
+        self._commander = SoleSender(_COMMAND)
         self._refused = 0
         self._finished = False
         self._topics = PlantTopics(self, self._team, scenario.rate)
@@ -75,7 +77,9 @@ class SimBridge(Node):
     def _publish(self, state: RobotState, status: Status) -> None:
         """Send a state; tools get theirs while the others compute."""
         missing = self._plant.counters.missing
-        self._topics.publish(state, status, self._pacer.late_ticks, missing)
+        if status in (Status.BRAKING, Status.PAUSED):
+            self._commander.release()  # it is silent: whoever speaks first may command
+        self._topics.publish(state, status, self._pacer.late_ticks, missing, self._commander.name)
         self._topics.publish_for_tools(state, self._plant.effort)
         if self._cycle.ended and not self._finished:
             self.get_logger().info(f"finished: {state.tick} ticks")
@@ -89,7 +93,9 @@ class SimBridge(Node):
             check_robots(message.robots, self._team, _COMMAND)
             if message.status == Chi.FAILED:
                 raise InputError(f"{_COMMAND}: its solver failed: {message.reason}")
-            self._cycle.take(message.tick, to_vector(message.chi, self._team.n, f"{_COMMAND}: chi"))
+            chi = to_vector(message.chi, self._team.n, f"{_COMMAND}: chi")
+            with self._commander.believing(message.sender):
+                self._cycle.take(message.tick, chi)
         except InputError as error:
             self._refused += 1
             self.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
@@ -126,6 +132,8 @@ class SimBridge(Node):
 
     def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Put the robots where the scenario starts; paused or running, as before."""
+        self._topics.count_reset()
+        self._commander.release()
         return self._answer(self._cycle.reset, response)
 
     def _on_wrench(

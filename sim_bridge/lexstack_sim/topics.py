@@ -17,6 +17,7 @@ from lexstack_core.state import RobotState
 from lexstack_interfaces.msg import PlantState
 from lexstack_ros.conversions import WORLD, to_array, to_time
 from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.senders import sender_name
 from lexstack_sim.memory import Status
 from lexstack_sim.urdf import robot_urdf
 
@@ -29,7 +30,7 @@ class PlantTopics:
 
     def __init__(self, node: Node, team: Team, rate: float) -> None:
         """Create the publishers for ticks at ``rate`` [Hz]; publish the robots' descriptions."""
-        self._state = PlantState(robots=list(team.names))
+        self._state = PlantState(robots=list(team.names), sender=sender_name(node))
         self._state.header.frame_id = WORLD
         self._clock = Clock()
         self._state_out = node.create_publisher(PlantState, "/plant/state", STREAM)
@@ -41,9 +42,12 @@ class PlantTopics:
             for robot, part in zip(team.robots, team.slices, strict=True)
         ]
 
-    def publish(self, state: RobotState, status: Status, late_ticks: int, missing: int) -> None:
+    def publish(
+        self, state: RobotState, status: Status, late_ticks: int, missing: int, commander: str
+    ) -> None:
         """Publish a state: this is what every other process waits for."""
         message = self._state
+        message.commander = commander
         message.header.stamp = to_time(state.stamp)
         message.tick = state.tick
         message.q, message.v = to_array(state.q), to_array(state.v)
@@ -51,6 +55,10 @@ class PlantTopics:
         message.status = int(status)
         message.late_ticks, message.missing_ticks = late_ticks, missing
         self._state_out.publish(message)
+
+    def count_reset(self) -> None:
+        """Say in every state from now on that the plant was reset once more."""
+        self._state.resets += 1
 
     def publish_for_tools(self, state: RobotState, effort: Vector) -> None:
         """Publish the rest, at its own rates: after the state, while others compute."""

@@ -49,15 +49,7 @@ class Run:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         self.executor = EventsExecutor()
         self.player = Player(resolved, self.executor)
-        scenario = resolved.scenario
-        bring_up(
-            supervisor,
-            out / "scenario.yaml",
-            out / "bag",
-            scenario.mode,
-            scenario.seed,
-            users=[PLAYER],
-        )
+        bring_up(supervisor, out / "scenario.yaml", out / "bag", peers=[PLAYER])
 
     def process(self, name: str):
         """Return a child's process."""

@@ -21,28 +21,32 @@ _READY_TIMEOUT = 60.0  # s of wall time, on a slow machine
 
 
 def bring_up(
-    supervisor: Supervisor, scenario: Path, bag: Path, mode: str, seed: int, users: Sequence[str]
+    supervisor: Supervisor,
+    scenario: Path,
+    bag: Path,
+    peers: Sequence[str],
+    nodes: Sequence[str] = tuple(NODES),
+    timeout: float = _READY_TIMEOUT,
 ) -> None:
-    """Start every process of a run and wait until each may be relied on.
+    """Start nodes of a run and wait until each may be relied on.
 
     Args:
         supervisor: starts them.
-        scenario: file of the resolved scenario.
+        scenario: file of the resolved scenario; mode and seed stand there.
         bag: folder of the bag to be written.
-        mode: lockstep or realtime.
-        seed: of everything random in the plant.
-        users: names of nodes that are there already and will use them.
+        peers: names of the other nodes of the run: users, and what other hosts start.
+        nodes: keys of NODES, those to start here.
+        timeout: of wall time until all are connected with each other and with the peers [s].
 
     Raises:
         ChildDiedError: one ended; NotReadyError: one was not ready in time.
     """
-    parameters = {
-        "sim_bridge": {"mode": mode, "seed": str(seed)},
-        RECORDER: {"output": str(bag)},
-    }
-    for name, module in NODES.items():
-        given = {"scenario": str(scenario), **parameters.get(name, {})}
-        given["peers"] = ",".join([*(other for other in NODES if other != name), *users])
+    chosen = [name for name in NODES if name in nodes]
+    for name in chosen:
+        given = {"scenario": str(scenario)}
+        if name == RECORDER:
+            given["output"] = str(bag)
+        given["peers"] = ",".join([*(other for other in chosen if other != name), *peers])
         pairs = [argument for key, value in given.items() for argument in ("-p", f"{key}:={value}")]
-        supervisor.start(name, module, ["--ros-args", *pairs])
-    supervisor.wait_printed(tuple(NODES), READY, _READY_TIMEOUT)
+        supervisor.start(name, NODES[name], ["--ros-args", *pairs])
+    supervisor.wait_printed(chosen, READY, timeout)

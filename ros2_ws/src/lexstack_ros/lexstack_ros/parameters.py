@@ -23,6 +23,12 @@ def text_parameter(node: Node, name: str, description: str, default: str | None 
     return value
 
 
+def flag_parameter(node: Node, name: str, description: str, *, default: bool) -> bool:
+    """Declare a read-only switch and return it."""
+    descriptor = ParameterDescriptor(description=description, read_only=True)
+    return bool(node.declare_parameter(name, default, descriptor).value)
+
+
 def scenario_parameter(node: Node) -> ResolvedScenario:
     """Return the resolved scenario whose file the parameter ``scenario`` names."""
     path = Path(text_parameter(node, "scenario", "file of the resolved scenario"))

@@ -13,6 +13,13 @@ from lexstack_interfaces.msg import PlantState
 from lexstack_ros.conversions import to_state
 from lexstack_ros.qos import STREAM
 from lexstack_ros.readiness import Readiness
+from lexstack_ros.senders import SoleSender
+from lexstack_ros.sequence import TickOrder
+from lexstack_ros.staleness import Delays, with_info
+
+_TOPIC = "/plant/state"
+# A bridge that waits for a command is silent for `command_wall`, 2 s by default.
+_SILENCE = 5.0  # s of wall time
 
 
 class PlantStates:
@@ -20,6 +27,7 @@ class PlantStates:
 
     Attributes:
         refused: messages that did not fit, whoever of the node refused them.
+        delays: how old states are when they come, by the clocks of both hosts.
     """
 
     def __init__(
@@ -28,18 +36,25 @@ class PlantStates:
         team: Team,
         on_state: Callable[[RobotState], None],
         on_reset: Callable[[], None],
+        on_commander: Callable[[str, bool], bool] = lambda _name, _follows: True,
     ) -> None:
         """Call ``on_state`` for every new tick, and before it ``on_reset`` if the plant was reset.
+
+        ``on_commander`` is told whose commands the plant takes, and whether it has one for the
+        last tick; the state is left out where it returns False.
 
         Create this after the node's other topics: readiness looks at all of them.
         """
         self.refused = 0
+        self.delays = Delays(_TOPIC)
         self._node = node
         self._team = team
         self._on_state = on_state
         self._on_reset = on_reset
-        self._last = -1
-        node.create_subscription(PlantState, "/plant/state", self._take, STREAM)
+        self._on_commander = on_commander
+        self._sender = SoleSender(_TOPIC, _SILENCE)
+        self._order = TickOrder(_TOPIC)
+        node.create_subscription(PlantState, _TOPIC, with_info(self._take), STREAM)
         self._readiness = Readiness(node, hears_plant=False)
 
     def refuse(self, error: InputError) -> None:
@@ -47,20 +62,25 @@ class PlantStates:
         self.refused += 1
         self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
 
-    def _take(self, message: PlantState) -> None:
+    def _take(self, message: PlantState, info: dict[str, int]) -> None:
         """Hand on a state that is new; a paused plant repeats its last one."""
         self._readiness.hears_plant = True
-        if message.status == PlantState.PAUSED:
-            return
         try:
+            self._sender.check(message.sender)
+            if message.status == PlantState.PAUSED:
+                self._sender.follow(message.sender)
+                return
             state = to_state(message, self._team)
+            if not self._order.is_new(message.sender, message.resets, state.tick):
+                return
         except InputError as error:
             self.refuse(error)
             return
-        if state.tick == 0 < self._last:
+        self._sender.follow(message.sender)
+        self.delays.add(info)
+        if self._order.begins_anew:
             self._node.get_logger().info("the plant was reset: starting anew")
             self._on_reset()
-            self._last = -1
-        if state.tick > self._last:
-            self._last = state.tick
+        follows = message.status == PlantState.FOLLOWING
+        if not message.commander or self._on_commander(message.commander, follows):
             self._on_state(state)

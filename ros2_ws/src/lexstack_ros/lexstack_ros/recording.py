@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import inspect
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -20,6 +19,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from lexstack_bag.errors import BagError
 from lexstack_bag.loss import LossCounter
 from lexstack_bag.metadata import Qos, Topic
+from lexstack_ros.staleness import with_info
 
 # Messages that may wait while a chunk is compressed or the disk is slow.
 _DEPTH = 2000
@@ -157,7 +157,7 @@ class Tap:
         self._subscription: Subscription = node.create_subscription(
             self._class,
             topic,
-            _with_info(self._take),
+            with_info(self._take),
             qos,
             raw=True,
             event_callbacks=SubscriptionEventCallbacks(
@@ -204,17 +204,3 @@ class Tap:
     def _on_incompatible(self, _event: QoSRequestedIncompatibleQoSInfo) -> None:
         """Take note of a publisher that this subscription cannot hear."""
         self.incompatible = True
-
-
-def _with_info(take: Callable[[bytes, dict[str, Any]], None]) -> Callable[..., None]:
-    """Return ``take`` as a callback that works with every executor of rclpy.
-
-    EventsExecutor hands message and info over as one tuple, the other executors as two
-    arguments; both look at the signature to see whether the info is wanted.
-    """
-
-    def callback(*arguments: Any) -> None:
-        take(*(arguments[0] if len(arguments) == 1 else arguments))
-
-    callback.__signature__ = inspect.signature(take)  # type: ignore[attr-defined]
-    return callback

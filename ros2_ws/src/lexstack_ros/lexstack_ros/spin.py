@@ -23,9 +23,10 @@ _WAIT = 0.2  # s, after which the loop looks whether it is to end
 def run_node(factory: Callable[[], Node]) -> int:
     """Run the node that ``factory`` makes until SIGINT, SIGTERM or a shutdown of ROS.
 
-    A node with a method ``close`` has it called before it is destroyed, while it can still
-    publish and log. Signals only set a flag: no callback is torn apart by KeyboardInterrupt, and
-    a second signal does not disturb the end.
+    A node that can not go on sets its attribute ``failure`` to a LexstackError: an executor does
+    not hand on what a callback raises. A node with a method ``close`` has it called before it is
+    destroyed, while it can still publish and log. Signals only set a flag: no callback is torn
+    apart by KeyboardInterrupt, and a second signal does not disturb the end.
 
     Returns:
         The exit code: 0, or 2 when the node raised a LexstackError, whose line is printed.
@@ -42,6 +43,9 @@ def run_node(factory: Callable[[], Node]) -> int:
         # Never executor.spin(): in this version it fires nothing and ignores signals.
         while rclpy.ok() and not stop:
             executor.spin_once(timeout_sec=_WAIT)
+            failure = getattr(node, "failure", None)
+            if failure is not None:
+                raise failure
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except LexstackError as error:

@@ -41,8 +41,8 @@ def main(arguments: list[str] | None = None) -> int:
     root = Path(os.environ.get("LEXSTACK_ROOT", ".")).resolve()
     try:
         options = _parser(root).parse_args(arguments)
-        resolved = _resolve(root, options)
-        out = _run_folder(root, options.out, resolved.scenario.name)
+        resolved = resolve_scenario(root, options)
+        out = run_folder(root, options.out, resolved.scenario.name)
     except ConfigurationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -58,12 +58,18 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _parser(root: Path) -> argparse.ArgumentParser:
     """Return the command line."""
-    known = ", ".join(_scenarios(root))
     parser = argparse.ArgumentParser(
         prog="./scripts/demo",
         description="Run a scenario through all processes: simulation, robot A, robot B, recorder; "
         "then analyse its bag.",
     )
+    add_run_arguments(parser, root)
+    return parser
+
+
+def add_run_arguments(parser: argparse.ArgumentParser, root: Path) -> None:
+    """Add what says which run: scenario, folder, mode, seed."""
+    known = ", ".join(_scenarios(root))
     parser.add_argument(
         "scenario",
         nargs="?",
@@ -77,7 +83,6 @@ def _parser(root: Path) -> argparse.ArgumentParser:
         help="lockstep: every tick waits for its command, reproducible; realtime: the wall's clock",
     )
     parser.add_argument("--seed", type=int, help="of everything random in the plant")
-    return parser
 
 
 def _scenarios(root: Path) -> list[str]:
@@ -85,7 +90,7 @@ def _scenarios(root: Path) -> list[str]:
     return sorted(path.stem for path in (root / "config" / "scenarios").glob("*.yaml"))
 
 
-def _resolve(root: Path, options: argparse.Namespace) -> ResolvedScenario:
+def resolve_scenario(root: Path, options: argparse.Namespace) -> ResolvedScenario:
     """Return the scenario with the command line's values put in; raises ConfigurationError."""
     path = root / "config" / "scenarios" / f"{options.scenario}.yaml"
     if not path.is_file():
@@ -107,7 +112,7 @@ def _resolve(root: Path, options: argparse.Namespace) -> ResolvedScenario:
     )
 
 
-def _run_folder(root: Path, out: Path | None, scenario: str) -> Path:
+def run_folder(root: Path, out: Path | None, scenario: str) -> Path:
     """Create the run's folder; raises ConfigurationError where it holds something already."""
     if out is None:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
@@ -153,25 +158,29 @@ def _run(resolved: ResolvedScenario, out: Path) -> int:
 
 def _play(resolved: ResolvedScenario, supervisor: Supervisor, out: Path) -> None:
     """Bring up the processes and play the scenario, with a line of progress."""
-    scenario = resolved.scenario
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     executor = EventsExecutor()
     player = Player(resolved, executor)
     try:
         path, bag = out / "scenario.yaml", out / "bag"
-        bring_up(supervisor, path, bag, scenario.mode, scenario.seed, users=[PLAYER])
-        progress = _Progress(resolved, player)
-
-        def watch() -> None:
-            supervisor.check()
-            progress.show()
-
-        player.play(watch, 60.0 + _SLOWEST * scenario.duration)
-        progress.show(last=True)
+        bring_up(supervisor, path, bag, peers=[PLAYER])
+        play_shown(resolved, player, supervisor)
     finally:
         executor.shutdown()
         player.destroy_node()
         rclpy.try_shutdown()
+
+
+def play_shown(resolved: ResolvedScenario, player: Player, supervisor: Supervisor) -> None:
+    """Play the scenario with a line of progress; raises LexstackError where it cannot go on."""
+    progress = _Progress(resolved, player)
+
+    def watch() -> None:
+        supervisor.check()
+        progress.show()
+
+    player.play(watch, 60.0 + _SLOWEST * resolved.scenario.duration)
+    progress.show(last=True)
 
 
 class _Progress:

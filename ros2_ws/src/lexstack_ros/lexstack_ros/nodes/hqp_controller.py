@@ -24,6 +24,7 @@ from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import STREAM
 from lexstack_ros.references import TargetTopics
 from lexstack_ros.requests import Requests
+from lexstack_ros.senders import AlreadyCommandedError, sender_name
 from lexstack_ros.spin import run_node
 
 _LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
@@ -44,7 +45,8 @@ class HqpControllerNode(Node):
         self._deadline = 0.0
         self._fallbacks = 0
         self._solve_time = 0.0
-        self._chi = Chi(robots=list(self._parts.team.names))
+        self.failure: AlreadyCommandedError | None = None  # ends the process
+        self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
         self._chi.header.frame_id = WORLD
         self._status = TransitionStatus()
         self._status.header.frame_id = WORLD
@@ -52,11 +54,15 @@ class HqpControllerNode(Node):
         self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
         self._targets = TargetTopics(self, self._parts.team, self._controller.references)
         self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
-        self._requests = Requests(self, self._controller.transition, self._resolved.scenario)
+        self._requests = Requests(
+            self, self._controller.transition, self._resolved.scenario, self._parts.team
+        )
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_LOOK, self._on_look, clock=wall)
         Diagnostics(self, self._health)
-        self._states = PlantStates(self, self._parts.team, self._on_state, self._restart)
+        self._states = PlantStates(
+            self, self._parts.team, self._on_state, self._restart, self._on_commander
+        )
 
     # ---- the tick
 
@@ -65,6 +71,12 @@ class HqpControllerNode(Node):
         self._state = state
         self._deadline = time.monotonic() + self._patience
         self._serve(wait=True)
+
+    def _on_commander(self, name: str, follows: bool) -> bool:
+        """Return whether the plant takes this process's commands; end if it has another's."""
+        if name != self._chi.sender and follows:
+            self.failure = AlreadyCommandedError(f"the robots are commanded already, by {name}")
+        return name == self._chi.sender
 
     def _on_source(self, message: Chi) -> None:
         """Take robot B's chi."""
@@ -90,7 +102,8 @@ class HqpControllerNode(Node):
         # Before the command, which lets the plant go on: the source shall know at the next state.
         self._requests.announce(state.stamp)
         self._chi_out.publish(chi_of_command(command, self._chi))
-        self._status_out.publish(transition_status(command, self._status))
+        for transition in command.transitions:
+            self._status_out.publish(transition_status(command, transition, self._status))
         self._served = state.tick
         self._solve_time = command.solve_time
         if command.fallback:

@@ -19,6 +19,7 @@ from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import LATCHED, STREAM
 from lexstack_ros.references import TargetTopics
+from lexstack_ros.senders import sender_name
 from lexstack_ros.spin import run_node
 
 
@@ -36,7 +37,7 @@ class StackSolverNode(Node):
         self._served = (-1, 0)  # tick and transition id of the last chi
         self._failures = 0
         self._solve_time = 0.0
-        self._chi = Chi(robots=list(self._parts.team.names))
+        self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
         self._chi.header.frame_id = WORLD
         self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
         team = self._parts.team

@@ -1,0 +1,64 @@
+"""How old messages are when they come, and what that says of the clocks of two hosts.
+
+Nothing waits or decides by wall-clock stamps: ticks pair the messages, and waits use the
+monotonic clock of one host. A clock that is off is told, nothing else.
+"""
+
+from __future__ import annotations
+
+import inspect
+import time
+from collections.abc import Callable
+from typing import Any
+
+_TOLERATED = 0.01  # s: a delay beyond what a local network needs is a clock that is off
+
+
+class Delays:
+    """The delays of one topic's messages since the last report.
+
+    The smallest delay is the offset of the receiver's clock from the sender's plus the fastest
+    transport, which a network does in less than a millisecond. So a negative one, or one of many
+    milliseconds in every message, is the clocks'.
+    """
+
+    def __init__(self, where: str, clock: Callable[[], float] = time.monotonic) -> None:
+        """Begin for the topic ``where``; ``clock`` is monotonic [s]."""
+        self._where = where
+        self._clock = clock
+        self._smallest: float | None = None
+        self._heard: float | None = None
+
+    def add(self, info: dict[str, int]) -> None:
+        """Take the info of one message, as rclpy hands it over."""
+        delay = 1e-9 * (info["received_timestamp"] - info["source_timestamp"])
+        self._smallest = delay if self._smallest is None else min(self._smallest, delay)
+        self._heard = self._clock()
+
+    def report(self) -> tuple[str, dict[str, str]]:
+        """Return a complaint (or '') and the figures since the last report."""
+        smallest, self._smallest = self._smallest, None
+        age = "never" if self._heard is None else f"{1e3 * (self._clock() - self._heard):.0f}"
+        values = {f"age of the last {self._where} [ms]": age}
+        if smallest is None:
+            return "", values
+        values[f"least delay of {self._where} [ms]"] = f"{1e3 * smallest:.1f}"
+        if abs(smallest) <= _TOLERATED:
+            return "", values
+        who = "behind" if smallest < 0.0 else "ahead of"
+        off = f"{1e3 * abs(smallest):.0f} ms {who} that of the sender of {self._where}"
+        return f"this host's clock is {off}", values
+
+
+def with_info(take: Callable[[Any, dict[str, Any]], None]) -> Callable[..., None]:
+    """Return ``take`` as a callback that works with every executor of rclpy.
+
+    EventsExecutor hands message and info over as one tuple, the other executors as two
+    arguments; both look at the signature to see whether the info is wanted.
+    """
+
+    def callback(*arguments: Any) -> None:
+        take(*(arguments[0] if len(arguments) == 1 else arguments))
+
+    callback.__signature__ = inspect.signature(take)  # type: ignore[attr-defined]
+    return callback
