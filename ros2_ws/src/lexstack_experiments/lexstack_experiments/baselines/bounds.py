@@ -27,7 +27,7 @@ def t31(position: Vector, limits: JointLimits, dt: float, applied: Vector) -> Bo
     return Bounds(np.maximum(lower, applied - reach), np.minimum(upper, applied + reach))
 
 
-def t34(before: Bounds, new: Bounds, alpha: float) -> Bounds:
+def t34(before: Bounds, new: Bounds, part: float) -> Bounds:
     """Return T(34), the box between two: alpha new + (1 - alpha) before.
 
     The paper leaves open what chi_min(t - dt) is in a loop. Two readings make sense: the box of
@@ -36,10 +36,10 @@ def t34(before: Bounds, new: Bounds, alpha: float) -> Bounds:
     Args:
         before: chi_min, chi_max (t - dt).
         new: chi_min^s, chi_max^s: T(31) with the new limits.
-        alpha: of the transition, in [0, 1].
+        part: alpha of the transition, in [0, 1].
     """
-    rest = 1.0 - alpha
-    return Bounds(alpha * new.lower + rest * before.lower, alpha * new.upper + rest * before.upper)
+    rest = 1.0 - part
+    return Bounds(part * new.lower + rest * before.lower, part * new.upper + rest * before.upper)
 
 
 @dataclass
@@ -69,7 +69,10 @@ class EmptyBoxes:
 
         No solver can serve an empty box; an experiment that wants to go on serves this one.
         """
+        return self.replaced(bounds, 0.5 * (bounds.lower + bounds.upper))
+
+    def replaced(self, bounds: Bounds, chi: Vector) -> Bounds:
+        """Count a box and return it with each empty interval replaced by what ``chi`` (n,) says."""
         self.count(bounds)
-        middle = 0.5 * (bounds.lower + bounds.upper)
         empty = bounds.lower > bounds.upper
-        return Bounds(np.where(empty, middle, bounds.lower), np.where(empty, middle, bounds.upper))
+        return Bounds(np.where(empty, chi, bounds.lower), np.where(empty, chi, bounds.upper))

@@ -4,12 +4,14 @@ from lexstack_experiments.experiment import Experiment
 from lexstack_experiments.experiments import (
     computation,
     realism,
+    sudden_limits,
     transition_methods,
     transition_sequence,
 )
 
 EXPERIMENTS: dict[str, Experiment] = {
     "transition-sequence": transition_sequence.EXPERIMENT,
+    "sudden-limits": sudden_limits.EXPERIMENT,
     "computation": computation.EXPERIMENT,
     "transition-methods": transition_methods.EXPERIMENT,
     "realism": realism.EXPERIMENT,
