@@ -114,6 +114,7 @@ class HtmpcConfig:
     iterations: int  # MAX_ITER of Algorithm 2, per level
     lexicographic: Constraint  # H(11) as printed (sum), H(11) per stage, or H(12) (axis)
     correction: bool  # second-order correction: one more solve with the true errors of the step
+    resume: bool  # a level below may begin at the plan before, where it costs less and H(13) holds
     hard_limits: bool  # limits of state and input as constraints too, not as barriers alone
     ee: TaskWeightsConfig
     base: TaskWeightsConfig

@@ -9,6 +9,7 @@ stays so from solve to solve.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lexstack_core.bounds import JointLimits
 from lexstack_core.htmpc.horizon import Horizon
@@ -56,8 +57,8 @@ class HardLimits:
         rows[-1] = rows[-2] + self._kappa * rows[2 * stages - 1]
         return rows
 
-    def rows(self, places: tuple[Vector, Vector]) -> Matrix:
-        """Return the coefficients in u of rows and joints, shape (r, N n)."""
+    def rows(self, places: NDArray[np.intp]) -> Matrix:
+        """Return the coefficients in u of rows and joints (2, r), shape (r, N n)."""
         row, joint = places
         stages, n = self._stages, self._kappa.size
         last = row == 3 * stages
@@ -105,10 +106,11 @@ class HeldLimits:
         """Return the value of every row, shape (3 N + 1, n)."""
         return self._limits.values(*self._state, u)
 
-    def violated(self, u: Matrix) -> tuple[np.ndarray, ...]:
-        """Return rows and joints of what the inputs violate."""
+    def violated(self, u: Matrix) -> NDArray[np.intp]:
+        """Return rows and joints of what the inputs violate, shape (2, r)."""
         values = self.values(u)
-        return np.nonzero((values > self.upper + SLACK) | (values < self.lower - SLACK))
+        beyond = (values > self.upper + SLACK) | (values < self.lower - SLACK)
+        return np.array(np.nonzero(beyond))
 
     def repaired(self, u: Matrix) -> Matrix:
         """Return inputs in which every joint that would break a limit brakes instead."""
@@ -119,6 +121,6 @@ class HeldLimits:
         result[:, joints] = self._brake[:, joints]
         return result
 
-    def rows(self, places: tuple[np.ndarray, ...]) -> Matrix:
-        """Return the coefficients in u of rows and joints, shape (r, N n)."""
-        return self._limits.rows((places[0], places[1]))
+    def rows(self, places: NDArray[np.intp]) -> Matrix:
+        """Return the coefficients in u of rows and joints (2, r), shape (r, N n)."""
+        return self._limits.rows(places)

@@ -8,6 +8,7 @@ import numpy as np
 
 from lexstack_core.config.htmpc import HtmpcConfig
 from lexstack_core.htmpc.lexicographic import Guard
+from lexstack_core.htmpc.limited_qp import NOWHERE, LimitedQp, Places
 from lexstack_core.htmpc.objectives import Task
 from lexstack_core.htmpc.program import Iterate, Program, Quadratic
 from lexstack_core.htmpc.qp import CondensedQp
@@ -15,7 +16,8 @@ from lexstack_core.htmpc.status import LevelStatus, Outcome
 from lexstack_core.linear import Matrix, Vector
 
 _CONVERGED = 1e-10  # of the cost: a step that promises less is no step
-_ROUNDS = 50  # of adding hard limits that a solution breaks
+_BEND = 0.05
+_PROBE = 0.25  # of a step: where its bend is measured
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,16 +42,31 @@ class _Rows:
 
 
 class Level:
-    """One task below its guards."""
+    """One task below its guards.
+
+    Attributes:
+        holding: hard limits that held in the last QP, or at first those that probably will.
+    """
 
     def __init__(
-        self, config: HtmpcConfig, program: Program, task: Task, guards: tuple[Guard, ...]
+        self,
+        config: HtmpcConfig,
+        program: Program,
+        task: Task,
+        guards: tuple[Guard, ...],
+        holding: Places = NOWHERE,
     ) -> None:
         """Take the level's task, and the constraints of the levels above, highest first."""
         self._config = config
         self._program = program
         self._task = task
         self._guards = guards
+        self.holding = holding
+
+    def better(self, start: Iterate, other: Iterate) -> Iterate:
+        """Return the other iterate where it costs less and no guard is violated, else the first."""
+        cost = self._program.cost(start, self._task)
+        return start if self._refusal(other, cost) else other
 
     def solve(self, start: Iterate) -> tuple[Iterate, LevelStatus]:
         """Return the last iterate, and how it was reached."""
@@ -89,20 +106,23 @@ class Level:
         quadratic = self._program.quadratic(iterate, self._task)
         if not (np.isfinite(cost) and np.isfinite(quadratic.gradient).all()):
             return _Step(iterate, Outcome.FAILED, 0.0, 0, "", "not tried: a cost is not finite")
-        direction, word = self._direction(iterate, quadratic)
+        direction, bend, word = self._direction(iterate, quadratic)
         if word != "solved":
             return _Step(iterate, Outcome.FAILED, 0.0, 0, "", word)
         slope = float(quadratic.gradient @ direction)
         if -slope <= _CONVERGED * max(1.0, abs(cost)):
             return _Step(iterate, Outcome.CONVERGED, 0.0, 0, "", word)
-        return self._search(iterate, direction.reshape(iterate.u.shape), cost, slope)
+        shape = iterate.u.shape
+        return self._search(iterate, direction.reshape(shape), bend.reshape(shape), cost, slope)
 
-    def _search(self, iterate: Iterate, direction: Matrix, cost: float, slope: float) -> _Step:
+    def _search(
+        self, iterate: Iterate, direction: Matrix, bend: Matrix, cost: float, slope: float
+    ) -> _Step:
         """Backtrack until the cost falls enough and no guard is violated, H(13)."""
         rules = self._config.line_search
         alpha, refused = 1.0, ""
         for trial in range(1, rules.trials + 1):
-            tried = self._program.iterate(iterate.u + alpha * direction)
+            tried = self._program.iterate(iterate.u + alpha * direction + alpha**2 * bend)
             verdict = self._refusal(tried, cost + rules.descent * alpha * slope)
             if not verdict:
                 return _Step(tried, Outcome.STEPPED, alpha, trial, refused, "solved")
@@ -121,52 +141,35 @@ class Level:
             return "not finite"
         return "" if cost <= limit else "descent"
 
-    def _direction(self, iterate: Iterate, quadratic: Quadratic) -> tuple[Vector, str]:
-        """Return the step of the QP, shape (N n,), and its solver's word."""
+    def _direction(self, iterate: Iterate, quadratic: Quadratic) -> tuple[Vector, Vector, str]:
+        """Return the step of the QP, how it bends, shapes (N n,), and the solver's word."""
         qp = CondensedQp(quadratic.hessian)
+        none = np.zeros(iterate.u.size)
         if qp.word != "solved":
-            return np.zeros(iterate.u.size), qp.word
-        center = qp.center(quadratic.gradient)
+            return none, none, qp.word
         rows = self._rows(iterate)
-        white = qp.whiten(rows.matrix)
-        direction, word = self._within_limits(iterate, qp, center, rows, white)
-        if word == "solved" and self._config.correction and self._guards:
-            tried = self._program.iterate(iterate.u + direction.reshape(iterate.u.shape))
-            bent = self._values(tried) - self._values(iterate) - rows.matrix @ direction
-            moved = _opened(rows.matrix, rows.lower - bent, rows.upper - bent)
-            corrected, again = self._within_limits(iterate, qp, center, moved, white)
-            if again == "solved":
-                direction = corrected
-        return direction, word
+        limited = LimitedQp(qp, quadratic.gradient, rows.matrix, self._moving(iterate.u))
+        if self._program.hard is not None:
+            limited.within(self._program.hard, iterate.u, self.holding)
+        direction, word = limited.solve(rows.lower, rows.upper)
+        self.holding = limited.holding
+        if word != "solved" or not (self._config.correction and self._guards):
+            return direction, none, word
+        bent = self._bent(iterate, rows, direction)
+        scale = min(1.0, float(np.sqrt(_BEND / max(np.abs(bent).max(), _BEND))))
+        shorter = scale * direction
+        bent *= scale * scale
+        corrected, again = limited.nearest(shorter, rows.lower - bent, rows.upper - bent)
+        if again != "solved":
+            return direction, none, word
+        return shorter, corrected - shorter, word
 
-    def _within_limits(
-        self, iterate: Iterate, qp: CondensedQp, center: Vector, rows: _Rows, white: Matrix
-    ) -> tuple[Vector, str]:
-        """Solve, and again with the hard limits that the solution breaks, until it breaks none."""
-        direction, multipliers, word = qp.solve(center, white, rows.lower, rows.upper)
-        hard = self._program.hard
-        if hard is None:
-            return direction, word
-        values = hard.values(iterate.u)
-        low, high = hard.lower - values, hard.upper - values
-        low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
-        known = np.zeros(values.shape, dtype=bool)
-        lower, upper = rows.lower, rows.upper
-        for _ in range(_ROUNDS):
-            if word != "solved":
-                return direction, word
-            places = hard.violated(iterate.u + direction.reshape(iterate.u.shape))
-            fresh = ~known[places]
-            if not fresh.any():
-                return direction, word
-            places = tuple(place[fresh] for place in places)
-            known[places] = True
-            added = hard.rows(places) * self._masked(iterate.u.shape)
-            white = np.concatenate((white, qp.whiten(added)))
-            lower = np.concatenate((lower, low[places]))
-            upper = np.concatenate((upper, high[places]))
-            direction, multipliers, word = qp.solve(center, white, lower, upper, multipliers)
-        return direction, "hard limits: too many rounds"
+    def _bent(self, iterate: Iterate, rows: _Rows, direction: Vector) -> Vector:
+        """Return by how much a whole step would bend off the tangent of the guards, shape (r,)."""
+        step = _PROBE * direction
+        tried = self._program.iterate(iterate.u + step.reshape(iterate.u.shape))
+        off = self._values(tried) - self._values(iterate) - rows.matrix @ step
+        return np.asarray(off / _PROBE**2)
 
     def _rows(self, iterate: Iterate) -> _Rows:
         """Return the guards made linear; a step of zero is always allowed."""
@@ -174,11 +177,11 @@ class Level:
             none = np.zeros(0)
             return _Rows(np.zeros((0, iterate.u.size)), none, none)
         matrices, lower, upper = [], [], []
-        mask = self._masked(iterate.u.shape)
+        moving = self._moving(iterate.u)
         for guard in self._guards:
             error = guard.task.error(iterate.at)
             value = guard.value(error)
-            matrices.append(guard.rows(iterate.at, error) * mask)
+            matrices.append(guard.rows(iterate.at, error) * moving)
             lower.append(guard.lower - value)
             upper.append(guard.upper - value)
         return _opened(
@@ -191,11 +194,9 @@ class Level:
         """Return the values of all guards, one after the other."""
         return np.concatenate([g.value(g.task.error(iterate.at)) for g in self._guards])
 
-    def _masked(self, shape: tuple[int, int]) -> Matrix | float:
+    def _moving(self, u: Matrix) -> Vector:
         """Return 1 where the level may change an input, else 0, shape (N n,)."""
-        if self._task.moving.all():
-            return 1.0
-        return np.tile(self._task.moving, shape[0])
+        return np.tile(self._task.moving, len(u))
 
 
 def _opened(matrix: Matrix, lower: Vector, upper: Vector) -> _Rows:

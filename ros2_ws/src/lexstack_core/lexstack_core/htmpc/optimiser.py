@@ -16,6 +16,7 @@ from lexstack_core.htmpc.hard_limits import HardLimits
 from lexstack_core.htmpc.horizon import Horizon
 from lexstack_core.htmpc.level import Level
 from lexstack_core.htmpc.lexicographic import Guard
+from lexstack_core.htmpc.limited_qp import NOWHERE, Places
 from lexstack_core.htmpc.objectives import Objective, Task
 from lexstack_core.htmpc.plan import Plan
 from lexstack_core.htmpc.program import Iterate, Program
@@ -101,7 +102,7 @@ class Htmpc:
         tasks = [Task(objective, self.config, self.robot.n) for objective in objectives]
         program = self._program(start, before, around)
         iterate = program.iterate(self._guess(start, tasks, before, program))
-        levels, iterate = self._solve_levels(program, tasks, iterate)
+        levels, holding, iterate = self._solve_levels(program, tasks, iterate, before)
         return Plan(
             stamp=start.stamp,
             step=self.config.step,
@@ -110,24 +111,33 @@ class Htmpc:
             u=iterate.u,
             levels=tuple(levels),
             errors=tuple(task.error(iterate.at) for task in tasks),
+            holding=holding,
             solve_time=perf_counter() - begun,
         )
 
     def _solve_levels(
-        self, program: Program, tasks: list[Task], iterate: Iterate
-    ) -> tuple[list[LevelStatus], Iterate]:
+        self, program: Program, tasks: list[Task], iterate: Iterate, before: Plan | None
+    ) -> tuple[list[LevelStatus], tuple[Places, ...], Iterate]:
         """Solve all levels in order; what comes below a failure is skipped."""
         guards: list[Guard] = []
         levels: list[LevelStatus] = []
+        guessed = iterate
+        known = () if before is None else before.holding
+        holding: list[Places] = []
         for i, task in enumerate(tasks):
             if levels and not levels[-1].outcome.sound:
                 levels.append(_skipped(i, task, iterate))
                 continue
-            iterate, status = Level(self.config, program, task, tuple(guards)).solve(iterate)
+            guess = known[i] if i < len(known) else NOWHERE
+            level = Level(self.config, program, task, tuple(guards), guess)
+            if i and self.config.resume:
+                iterate = level.better(iterate, guessed)
+            iterate, status = level.solve(iterate)
+            holding.append(level.holding)
             levels.append(status)
             best = task.error(iterate.at)
             guards.append(Guard(i, task, best, self.config.lexicographic, self.horizon))
-        return levels, iterate
+        return levels, tuple(holding), iterate
 
     def _program(self, start: Start, before: Plan | None, around: Surroundings | None) -> Program:
         """Return what all levels share."""

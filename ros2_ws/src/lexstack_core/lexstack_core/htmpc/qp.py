@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import daqp
 import numpy as np
-from scipy.linalg import lapack
+from scipy.linalg import blas, lapack
 
 from lexstack_core.linear import Matrix, Vector
 
 _FAR = 1e30  # DAQP's infinity
 _ITERATIONS = 2000
 _TOLERANCE = 1e-9
+_NO_LENGTH = 1e-13
 _ACTIVE, _LOWER = 1, 2
 _WORDS = {
     -1: "infeasible",
@@ -41,14 +42,25 @@ class CondensedQp:
         """``solved``, or why H could not be factored."""
         return "solved" if self._info == 0 else "the Hessian is not positive definite"
 
-    def whiten(self, rows: Matrix) -> Matrix:
-        """Return A R^-1 for rows A, both shape (r, m)."""
+    def whiten(self, rows: Matrix) -> tuple[Matrix, Vector]:
+        """Return the rows of A R^-1 with length 1, and 1 / their lengths, shapes (r, m), (r,).
+
+        DAQP takes short rows for zero, and a bound on them for a contradiction. The factor is 0 for
+        rows that no step can change.
+        """
         solved, _ = lapack.dtrtrs(self._factor, rows.T, trans=1)
-        return np.asarray(solved.T)
+        white = solved.T
+        lengths = np.sqrt(np.einsum("ij,ij->i", white, white))
+        factors = np.where(lengths > _NO_LENGTH, 1.0 / np.maximum(lengths, _NO_LENGTH), 0.0)
+        return np.asarray(white * factors[:, None]), factors
 
     def center(self, gradient: Vector) -> Vector:
-        """Return R^-T g, shape (m,)."""
+        """Return R^-T g, shape (m,), for which ``solve`` minimises the cost."""
         return np.asarray(lapack.dtrtrs(self._factor, gradient, trans=1)[0])
+
+    def center_at(self, point: Vector) -> Vector:
+        """Return -R p, shape (m,), for which ``solve`` finds the d nearest to p in H's metric."""
+        return np.asarray(-blas.dtrmv(self._factor, point))
 
     def solve(
         self,
@@ -63,8 +75,8 @@ class CondensedQp:
         Args:
             center: of ``center``.
             rows: of ``whiten``, shape (r, m).
-            lower: shape (r,); -inf is legal.
-            upper: shape (r,); inf is legal.
+            lower: of these rows, shape (r,); -inf is legal.
+            upper: likewise; inf is legal.
             guess: multipliers of the first rows, whose signs are the first working set.
         """
         if not len(rows):

@@ -1,0 +1,101 @@
+"""The QP of a level within hard limits: only those limits enter that a solution would break.
+
+All rows together would be some hundreds, of which a few tens hold. So the QP is solved with those
+that held in the solve before, then those that its solution breaks are added, until none is broken:
+the answer is that of the QP with all of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack_core.htmpc.hard_limits import HeldLimits
+from lexstack_core.htmpc.qp import CondensedQp
+from lexstack_core.linear import Matrix, Vector
+
+Places = NDArray[np.intp]
+"""Rows and joints of hard limits, shape (2, r)."""
+
+NOWHERE: Places = np.zeros((2, 0), dtype=np.intp)
+_ROUNDS = 50
+
+
+class LimitedQp:
+    """One H and gradient, the guards' rows, and the hard limits found so far.
+
+    Attributes:
+        places: of the hard limits that it has taken in.
+    """
+
+    def __init__(self, qp: CondensedQp, gradient: Vector, guards: Matrix, moving: Vector) -> None:
+        """Take the QP, its gradient (N n,), the guards' rows (g, N n), and 0 for joints at rest."""
+        self._qp = qp
+        self._center = qp.center(gradient)
+        self._white, self._factors = qp.whiten(guards)
+        self._guards = len(guards)
+        self._moving = moving
+        self._hard: HeldLimits | None = None
+        self._room = (np.zeros(0), np.zeros(0))
+        self._multipliers: Vector = np.zeros(0)
+        self.places = NOWHERE
+
+    def within(self, hard: HeldLimits, u: Matrix, first: Places) -> None:
+        """Keep the inputs u + d within hard limits; ``first`` are those that probably hold."""
+        self._hard, self._u = hard, u
+        values = hard.values(u)
+        # A step of zero stays allowed, whatever rounding did to u.
+        self._low = np.minimum(hard.lower - values, 0.0)
+        self._high = np.maximum(hard.upper - values, 0.0)
+        self._known = np.zeros(values.shape, dtype=bool)
+        self._add(first)
+
+    def nearest(self, point: Vector, lower: Vector, upper: Vector) -> tuple[Vector, str]:
+        """Return the allowed d nearest to a point (N n,) in H's metric, and the solver's word."""
+        self._center = self._qp.center_at(point)
+        return self.solve(lower, upper)
+
+    def solve(self, lower: Vector, upper: Vector) -> tuple[Vector, str]:
+        """Return d, shape (N n,), and the solver's word; the guards' bounds have shape (g,)."""
+        for _ in range(_ROUNDS):
+            direction, self._multipliers, word = self._qp.solve(
+                self._center,
+                self._white,
+                self._scaled(np.concatenate((lower, self._room[0])), -np.inf),
+                self._scaled(np.concatenate((upper, self._room[1])), np.inf),
+                self._multipliers,
+            )
+            if self._hard is None or word != "solved":
+                return direction, word
+            broken = self._hard.violated(self._u + direction.reshape(self._u.shape))
+            fresh = broken[:, ~self._known[broken[0], broken[1]]]
+            if not fresh.size:
+                return direction, word
+            self._add(fresh)
+        return direction, "hard limits: too many rounds"
+
+    @property
+    def holding(self) -> Places:
+        """The hard limits that hold at the last solution."""
+        return self.places[:, self._multipliers[self._guards :] != 0.0]
+
+    def _scaled(self, bounds: Vector, nothing: float) -> Vector:
+        """Return bounds for rows of length 1; rows that no step can change are left out."""
+        fixed = self._factors == 0.0
+        scaled = bounds * np.where(fixed, 1.0, self._factors)
+        return np.where(fixed, nothing, scaled)
+
+    def _add(self, places: Places) -> None:
+        """Take hard limits in."""
+        if self._hard is None or not places.size:
+            return
+        row, joint = places
+        self._known[row, joint] = True
+        white, factors = self._qp.whiten(self._hard.rows(places) * self._moving)
+        self._white = np.concatenate((self._white, white))
+        self._factors = np.concatenate((self._factors, factors))
+        self._room = (
+            np.concatenate((self._room[0], self._low[row, joint])),
+            np.concatenate((self._room[1], self._high[row, joint])),
+        )
+        self.places = np.concatenate((self.places, places), axis=1)

@@ -1,0 +1,161 @@
+"""H(9) as the paper writes it, in CasADi: for the oracle, and for the paper's own way to solve it.
+
+Written apart from the fast path: it shares the kinematics of a stage and the configuration, nothing
+else. Collision spheres are part of it; orientations of the end effector are not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from lexstack_core.config.htmpc import BarrierConfig, CollisionConfig, HtmpcConfig
+from lexstack_core.errors import InputError
+from lexstack_core.htmpc.objectives import Kind
+from lexstack_core.htmpc.symbolic import stage_function
+from lexstack_core.model import RobotModel
+
+ROWS: dict[Kind, int] = {"ee_position": 3, "base_position": 2, "base_pose": 3}
+"""The kinds of tasks that are written here, and the length of their errors."""
+
+
+@dataclass(frozen=True, slots=True)
+class Symbols:
+    """The program of one robot with given tasks, over the inputs alone or over states too.
+
+    Attributes:
+        x: states 1 to N, q above v, shape (2 n, N).
+        u: inputs, shape (n, N).
+        start: q, v and the input before, shape (3 n, 1).
+        references: of each task, shape (s, N).
+        obstacles: centres at the states 1 to N, shape (3 o, N).
+        gaps: x_{k+1} - A x_k - B u_k, shape (2 n, N); zero on the dynamics.
+        errors: of each task, shape (s, N).
+        costs: J of each task, H(8).
+        upkeep: effort H(10) and all barriers.
+    """
+
+    x: ca.MX
+    u: ca.MX
+    start: ca.MX
+    references: tuple[ca.MX, ...]
+    obstacles: ca.MX
+    gaps: ca.MX
+    errors: tuple[ca.MX, ...]
+    costs: tuple[ca.MX, ...]
+    upkeep: ca.MX
+
+
+def program(
+    robot: RobotModel,
+    config: HtmpcConfig,
+    kinds: tuple[Kind, ...],
+    spheres: tuple[int, ...] = (),
+    radii: tuple[float, ...] = (),
+) -> Symbols:
+    """Write the program down; ``radii`` are those of the obstacles [m].
+
+    Raises:
+        InputError: a kind of task that is not written here.
+    """
+    for kind in kinds:
+        if kind not in ROWS:
+            raise InputError(f"htmpc in CasADi: kind {kind!r}; known: {', '.join(ROWS)}")
+    n, stages = robot.n, config.horizon
+    x, u = ca.MX.sym("x", 2 * n, stages), ca.MX.sym("u", n, stages)
+    start = ca.MX.sym("start", 3 * n)
+    obstacles = ca.MX.sym("obstacles", 3 * len(radii), stages)
+    references = tuple(
+        ca.MX.sym(f"reference{i}", ROWS[kind], stages) for i, kind in enumerate(kinds)
+    )
+    q, v = x[:n, :], x[n:, :]
+    places = stage_function(robot, spheres).map(stages)(q)
+    errors = tuple(
+        (places[0] if kind == "ee_position" else q[: ROWS[kind], :]) - reference
+        for kind, reference in zip(kinds, references, strict=True)
+    )
+    costs = tuple(_tracking(config, kind, error) for kind, error in zip(kinds, errors, strict=True))
+    upkeep = _effort(config, v, u, start[2 * n :]) + _limits(robot, config, q, v, u)
+    if spheres and (radii or config.collision.ground):
+        upkeep += _distances(robot, config.collision, places[3], spheres, (obstacles, radii))
+    gaps = _gaps(x, u, start[: 2 * n], config.step)
+    return Symbols(x, u, start, references, obstacles, gaps, errors, costs, upkeep)
+
+
+def _gaps(x: ca.MX, u: ca.MX, start: ca.MX, step: float) -> ca.MX:
+    """Return what is missing for the double integrator to hold, shape (2 n, N)."""
+    n = u.size1()
+    before = ca.horzcat(start, x[:, :-1])
+    q = before[:n, :] + step * before[n:, :] + 0.5 * step * step * u
+    return x - ca.vertcat(q, before[n:, :] + step * u)
+
+
+def _tracking(config: HtmpcConfig, kind: Kind, error: ca.MX) -> ca.MX:
+    """Return H(8) without the state 0."""
+    weights = config.ee if kind.startswith("ee") else config.base
+    lengths = 2 if kind.startswith("base") else 3
+    diagonal = np.empty(error.shape)
+    diagonal[:lengths, :-1], diagonal[:lengths, -1] = weights.stage, weights.terminal
+    diagonal[lengths:, :-1], diagonal[lengths:, -1] = weights.stage_angle, weights.terminal_angle
+    return 0.5 * ca.sum1(ca.sum2(ca.DM(diagonal) * error**2))
+
+
+def _effort(config: HtmpcConfig, v: ca.MX, u: ca.MX, previous: ca.MX) -> ca.MX:
+    """Return H(10)."""
+    effort, n = config.effort, u.size1()
+
+    def weigh(base: float, arm: float, values: ca.MX) -> ca.MX:
+        return ca.sum1(ca.DM([base] * 3 + [arm] * (n - 3)) * ca.sum2(values**2))
+
+    changes = u - ca.horzcat(previous, u[:, :-1])
+    return 0.5 * (
+        weigh(effort.base_velocity, effort.arm_velocity, v)
+        + weigh(effort.base_input, effort.arm_input, u)
+        + weigh(effort.base_change, effort.arm_change, changes)
+    )
+
+
+def _limits(robot: RobotModel, config: HtmpcConfig, q: ca.MX, v: ca.MX, u: ca.MX) -> ca.MX:
+    """Return the barriers of H(7d)."""
+    limits, stages = robot.limits, u.size2()
+    bounded = [int(i) for i in np.flatnonzero(np.isfinite(limits.position_upper))]
+    total = ca.MX(0)
+    for values, lower, upper in (
+        (q[bounded, :], limits.position_lower[bounded], limits.position_upper[bounded]),
+        (v, -limits.velocity, limits.velocity),
+        (u, -limits.acceleration, limits.acceleration),
+    ):
+        total += barrier(config.limits, ca.repmat(ca.DM(upper), 1, stages) - values)
+        total += barrier(config.limits, values - ca.repmat(ca.DM(lower), 1, stages))
+    return total
+
+
+def _distances(
+    robot: RobotModel,
+    config: CollisionConfig,
+    centers: ca.MX,
+    spheres: tuple[int, ...],
+    obstacles: tuple[ca.MX, tuple[float, ...]],
+) -> ca.MX:
+    """Return the barriers of H(7c)."""
+    total = ca.MX(0)
+    where, radii = obstacles
+    for i, place in enumerate(spheres):
+        sphere = robot.config.spheres[place]
+        center = centers[3 * i : 3 * i + 3, :]
+        for j, radius in enumerate(radii):
+            apart = ca.sqrt(ca.sum1((center - where[3 * j : 3 * j + 3, :]) ** 2))
+            total += barrier(config, apart - sphere.radius - radius - config.margin)
+        if config.ground and sphere.link != "base":
+            total += barrier(config, center[2, :] - sphere.radius - config.margin)
+    return total
+
+
+def barrier(config: BarrierConfig | CollisionConfig, room: ca.MX) -> ca.MX:
+    """Return the sum of the relaxed log barriers of all entries."""
+    mu, zeta = config.mu, config.zeta
+    near = 0.5 * (((room - 2.0 * zeta) / zeta) ** 2 - 1.0) - np.log(zeta)
+    far = -ca.log(ca.fmax(room, zeta))
+    return mu * ca.sum1(ca.sum2(ca.if_else(room > zeta, far, near)))
