@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lexstack_bag.limits import limits_in_force
 from lexstack_bag.references import references_in_effect
 from lexstack_bag.run import Run
 from lexstack_core.linear import Matrix, Vector
@@ -35,8 +36,8 @@ class Measures:
     base_error: Matrix  # (T, N) mm, x and y
     yaw_error: Matrix  # (T, N) mrad
     command_time: Vector  # (K,) s
-    acceleration_ratio: Matrix  # (K, n) |a| / limit; nan after a gap in the ticks
-    jerk_ratio: Matrix  # (K, n) |jerk| / limit; nan after a gap in the ticks
+    acceleration_ratio: Matrix  # (K, n) |a| / limit in force; nan after a gap in the ticks
+    jerk_ratio: Matrix  # (K, n) |jerk| / limit in force; nan after a gap in the ticks
 
 
 def measure(run: Run) -> Measures:
@@ -67,7 +68,7 @@ def measure(run: Run) -> Measures:
 
 
 def _ratios(run: Run, team: Team) -> tuple[Matrix, Matrix]:
-    """Return acceleration and jerk of the command over their limits, shape (K, n) each.
+    """Return acceleration and jerk of the command over the limits in force, shape (K, n) each.
 
     A difference across a gap in the ticks is no acceleration: it is nan. The first command is
     taken against what the plant executed before it, and from rest if that was nothing.
@@ -80,4 +81,9 @@ def _ratios(run: Run, team: Team) -> tuple[Matrix, Matrix]:
     acceleration[1:][np.diff(command.tick) != 1] = np.nan
     rest = np.where(before.any(), np.nan, np.zeros((1, team.n)))
     jerk = np.diff(acceleration, axis=0, prepend=rest) / dt
-    return np.abs(acceleration) / team.limits.acceleration, np.abs(jerk) / team.limits.jerk
+    limits = limits_in_force(run, team, COMMANDER)
+    largest, steepest = (
+        np.array([getattr(now, name) for now in limits]).reshape(acceleration.shape)
+        for name in ("acceleration", "jerk")
+    )
+    return np.abs(acceleration) / largest, np.abs(jerk) / steepest
