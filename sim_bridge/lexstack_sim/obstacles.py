@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import mujoco
 import numpy as np
 
@@ -50,7 +52,7 @@ class Clearance:
             [i for i, name in enumerate(names) if name.startswith(f"{robot}/contact/")]
             for robot in robots
         ]
-        self._spheres = [names.index(obstacle_name(name)) for name in obstacles.names]
+        self._spheres = [[names.index(obstacle_name(name))] for name in obstacles.names]
 
     def at(self, q: Vector, stamp: float, most: float = 1.0) -> Matrix:
         """Return the distance of each robot to each obstacle, shape (robots, k), m.
@@ -60,19 +62,29 @@ class Clearance:
             stamp: simulated time [s].
             most: distances above this are given as this [m]; negative ones are depths.
         """
-        self._data.qpos[:] = q
         self._data.mocap_pos[:] = self._obstacles.at(stamp)
+        return self._distances(q, self._geoms, self._spheres, most)
+
+    def between(self, q: Vector, most: float = 1.0) -> Matrix:
+        """Return the distance of each robot to each, shape (robots, robots), m.
+
+        Args:
+            q: configuration of all robots, shape (n,).
+            most: as above; also the distance of a robot to itself, which is not looked at.
+        """
+        return self._distances(q, self._geoms, self._geoms, most)
+
+    def _distances(
+        self, q: Vector, ones: list[list[int]], others: list[list[int]], most: float
+    ) -> Matrix:
+        """Return the least distance between the geoms of two sets, for all sets."""
+        self._data.qpos[:] = q
         mujoco.mj_kinematics(self._world, self._data)
-        result: Matrix = np.array(
-            [
-                [
-                    min(
-                        mujoco.mj_geomDistance(self._world, self._data, geom, sphere, most, None)
-                        for geom in geoms
-                    )
-                    for sphere in self._spheres
-                ]
-                for geoms in self._geoms
-            ]
-        )
-        return result.reshape(len(self._geoms), len(self._spheres))
+        result: Matrix = np.full((len(ones), len(others)), most)
+        for i, j in np.ndindex(*result.shape):
+            if ones[i] is not others[j]:
+                result[i, j] = min(
+                    mujoco.mj_geomDistance(self._world, self._data, one, other, most, None)
+                    for one, other in itertools.product(ones[i], others[j])
+                )
+        return result

@@ -62,6 +62,20 @@ def test_transition_sequence(tmp_path):
     assert all(file.stat().st_size < 150_000 for file in tmp_path.glob("*.png"))
 
 
+def test_obstacle(tmp_path):
+    content = results_of(experiment.main, "obstacle", tmp_path)
+    rows = {row["way"]: row for row in content["tables"][0]["rows"]}
+    assert list(rows) == ["nothing", "base task", "distance task"]
+    assert rows["nothing"]["clearance mm"] < -5.0
+    assert rows["nothing"]["touching, ticks"] > 100
+    for way in ("base task", "distance task"):
+        assert rows[way]["clearance mm"] > 40.0
+        assert rows[way]["touching, ticks"] == 0
+        assert rows[way]["EE peak mm"] < 5.0
+    assert rows["distance task"]["acc. ratio"] <= 1.0 + 1e-9
+    assert (tmp_path / "obstacle-clearance.png").stat().st_size < 150_000
+
+
 def test_transition_methods(tmp_path, few_methods):
     content = results_of(experiment.main, "transition-methods", tmp_path)
     rows = {row["method"]: row for row in content["tables"][0]["rows"]}

@@ -53,24 +53,12 @@ def task_of(a_team, robot=0, **parameters):
 def rooms(a_team, q, stamp, robot=0, others=(), margin=0.05):
     """Return the room of every pair, straight from its definition, in the task's order."""
     spheres = a_team.spheres(q)
-    points = [*zip(a_team.obstacles.at(stamp), a_team.obstacles.radii, strict=True)]
-    points += [
-        (center, radius)
-        for center, radius, owner in zip(
-            spheres.centers, spheres.radii, spheres.owners, strict=True
-        )
-        if owner in others
-    ]
-    return np.array(
-        [
-            np.linalg.norm(center - point) - radius - other - margin
-            for center, radius, owner in zip(
-                spheres.centers, spheres.radii, spheres.owners, strict=True
-            )
-            if owner == robot
-            for point, other in points
-        ]
-    )
+    others = np.isin(spheres.owners, others)
+    points = np.concatenate([a_team.obstacles.at(stamp), spheres.centers[others]])
+    radii = np.concatenate([a_team.obstacles.radii, spheres.radii[others]])
+    own = spheres.owners == robot
+    between = np.linalg.norm(spheres.centers[own, None] - points, axis=2)
+    return (between - spheres.radii[own, None] - radii - margin).ravel()
 
 
 # ---- the law
@@ -156,6 +144,44 @@ def test_the_arm_keeps_off_the_floor_and_the_platform_stands_on_it(seed):
     room = (spheres.centers[own, 2] - spheres.radii[own])[on_arm]
     able = np.minimum(1.0, 0.5 * np.abs(linear.matrix[on_arm]) @ plain.limits.acceleration)
     np.testing.assert_allclose(linear.lower[on_arm], -damped_speed(room, able, 1.0, DT), atol=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_links_that_can_meet_keep_apart(seed):
+    rng = np.random.default_rng(seed)
+    q, chi = random_q(rng), rng.normal(size=20)
+    plain = team()
+    task = task_of(plain, itself=True, influence=FAR, rows=EVERY)
+    linear = task.linearise(plain.kinematics(state_at(q)), None)
+    assert task.robots == (0,)
+    assert not linear.matrix[:, 10:].any()
+    asked = np.isfinite(linear.lower).reshape(24, 24)
+    depth = plain.robots[0].spheres.moved_by.sum(axis=1)  # joints that move the sphere
+    np.testing.assert_array_equal(asked, depth[:, None] - depth >= 4)
+    ahead, now, behind = (
+        rooms(plain, q + h * chi, 0.0, others=(0,)).reshape(24, 24) for h in (STEP, 0.0, -STEP)
+    )
+    speed = (linear.matrix @ chi).reshape(24, 24)
+    np.testing.assert_allclose(speed[asked], ((ahead - behind) / (2.0 * STEP))[asked], atol=1e-6)
+    able = np.minimum(1.0, 0.5 * np.abs(linear.matrix) @ plain.limits.acceleration)
+    allowed = damped_speed(now.ravel(), able, 5.0, DT).reshape(24, 24)
+    np.testing.assert_allclose(linear.lower.reshape(24, 24)[asked], -allowed[asked], atol=1e-9)
+
+
+def test_an_arm_that_is_sent_into_its_own_platform_stops_above_it():
+    """The reference of the tool lies inside the chassis."""
+    q = home()
+    tools = team().tools(q)
+    goals = References(
+        (Pose(np.array([0.25, 0.0, 0.35]), tools[0].rotation), tools[1]),
+        (np.zeros(3), np.zeros(3)),
+    )
+    least = {}
+    for itself in (False, True):
+        told = closed_loop(team(), q, goals, 4.0, itself=itself)
+        least[itself] = told[:, 0].min()
+    assert least[False] < 0.0
+    assert least[True] >= 0.05 - 2e-3
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -319,10 +345,15 @@ def test_what_cannot_be_kept_is_relaxed_as_little_as_can_be(seed):
 # ---- closed loop: an ideal plant that does what it is told
 
 
-def closed_loop(a_team, q, goals, seconds, robots=()):
-    """Return the least distance between surfaces in each tick, and level 1's slack."""
+def closed_loop(a_team, q, goals, seconds, robots=(), itself=None):
+    """Return the least distance between surfaces in each tick, and level 1's slack.
+
+    ``itself``: whether robot A keeps away from itself; None: that is not looked at.
+    """
+    apart = a_team.robots[0].spheres.moved_by.sum(axis=1)
+    apart = (apart[:, None] - apart >= 4).ravel()
     level = [
-        [task_of(a_team, 0, robots=robots), task_of(a_team, 1)],
+        [task_of(a_team, 0, robots=robots, itself=bool(itself)), task_of(a_team, 1)],
         [TASKS["ee_pose"](a_team, i, {}, "here") for i in (0, 1)],
         [TASKS["minimum_velocity"](a_team, i, {}, "here") for i in (0, 1)],
     ]
@@ -343,6 +374,8 @@ def closed_loop(a_team, q, goals, seconds, robots=()):
             )
             for robot in (0, 1)
         )
+        if itself is not None:
+            near = min(near, rooms(a_team, q, stamp, 0, (0,), margin=0.0)[apart].min())
         told.append((near, warm.slacks[0]))
     return np.array(told)
 

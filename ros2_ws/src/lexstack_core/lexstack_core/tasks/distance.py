@@ -1,7 +1,8 @@
 """Distance to obstacles and other robots: an inequality on the speed of approach.
 
-A pair is a sphere of the robot, center c_i, and an obstacle or a sphere of another robot, center
-c_j. With n = (c_i - c_j) / |c_i - c_j| and the room r = |c_i - c_j| - r_i - r_j - margin:
+A pair is a sphere of the robot, center c_i, and an obstacle, or a sphere of another robot or of the
+robot itself, center c_j. With n = (c_i - c_j) / |c_i - c_j|, and r = |c_i - c_j| - r_i - r_j -
+margin, the room that is left:
 
     n.(J_i chi) - n.v_j >= -w(r)            v_j: J_j chi, or the obstacle's own velocity
 
@@ -40,6 +41,7 @@ from lexstack_core.references import References
 
 _GROUND = 1e6  # m, radius of the sphere that stands for the floor: flat to 5 um within 3 m
 _SHARE = 0.5  # of the joints' acceleration that may be used up for the distance itself
+_APART = 4  # joints along the chain; links nearer to each other than this cannot meet
 _NEAR = 1e-9  # m, centers nearer than this have no direction between them
 
 
@@ -55,6 +57,7 @@ class DistanceParameters:
     obstacles: tuple[str, ...] | None = None  # names in the scenario; default: all that it has
     robots: tuple[str, ...] = ()  # names of other robots
     ground: bool = False  # whether the arm keeps away from the floor too
+    itself: bool = False  # whether its own links keep apart, those that can meet
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a value out of range."""
@@ -94,6 +97,7 @@ class Distance:
         self._own = spheres_of(team, robot)
         every = np.arange(sum(len(each.spheres.radii) for each in team.robots))
         parts = [every[spheres_of(team, other)] for other in others]
+        parts += [every[self._own]] * parameters.itself
         self._others: Indices = np.concatenate([every[:0], *parts])
         self._fixed = len(names) + parameters.ground
         self._ground = np.array([[0.0, 0.0, -_GROUND]])[: int(parameters.ground)]
@@ -159,7 +163,7 @@ class Distance:
         return damped_speed(room, able, self._parameters.gain, self._dt)
 
     def _points(self, spheres: Spheres, stamp: float) -> Matrix:
-        """Return what distances are kept to, shape (k, 3), m: obstacles, floor, other robots."""
+        """Return what distances are kept to, shape (k, 3), m: obstacles, floor, spheres."""
         here = self._obstacles.at(stamp).take(self._chosen, axis=0)
         if self._fixed == len(here) and not len(self._others):
             return here
@@ -168,7 +172,7 @@ class Distance:
     def _velocities(self, stamp: float) -> Matrix:
         """Return how fast the points move in this tick, shape (k, 3), m/s.
 
-        Zero for the spheres of other robots: their motion is part of chi.
+        Zero for the spheres of robots: their motion is part of chi.
         """
         moved = self._obstacles.at(stamp + self._dt) - self._obstacles.at(stamp)
         velocities = np.zeros((self._reach.shape[1], 3))
@@ -177,7 +181,7 @@ class Distance:
         return velocities
 
     def _subtract(self, matrix: Matrix, spheres: Spheres, other: Indices, normals: Matrix) -> None:
-        """Take the motion of the other robots' spheres off their rows."""
+        """Take the motion of the spheres that are kept away from off their rows."""
         robots = other >= self._fixed
         if robots.any():
             moving = self._others[other[robots] - self._fixed]
@@ -195,6 +199,10 @@ class Distance:
         if self._parameters.ground:
             on_base = ~own.moved_by[:, BASE.stop :].any(axis=1)
             reach[on_base, len(self._chosen)] = -_GROUND  # the platform stands on it
+        if self._parameters.itself:
+            joints = own.moved_by.sum(axis=1)
+            apart = joints[:, None] - joints >= _APART
+            reach[:, -len(joints) :][~apart] = -_GROUND
         return reach
 
 

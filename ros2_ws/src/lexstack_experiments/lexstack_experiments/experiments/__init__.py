@@ -3,6 +3,7 @@
 from lexstack_experiments.experiment import Experiment
 from lexstack_experiments.experiments import (
     computation,
+    obstacle,
     realism,
     sudden_limits,
     transition_methods,
@@ -14,6 +15,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "sudden-limits": sudden_limits.EXPERIMENT,
     "computation": computation.EXPERIMENT,
     "transition-methods": transition_methods.EXPERIMENT,
+    "obstacle": obstacle.EXPERIMENT,
     "realism": realism.EXPERIMENT,
 }
 

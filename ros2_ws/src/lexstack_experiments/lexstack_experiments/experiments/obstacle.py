@@ -1,0 +1,191 @@
+"""Obstacles, T, Sec. III-B c: with the base task, with the distance task, and with nothing.
+
+MuJoCo with the impedance loop. What counts is the distance between the shapes that can touch, not
+between the spheres that the controller knows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.linear import Matrix, Vector
+from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.experiments.obstacle_cases import BASE, DISTANCE, NOTHING, Case, cases
+from lexstack_experiments.experiments.obstacle_pictures import draw_clearance, render_passing
+from lexstack_experiments.loop import Loop
+from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
+from lexstack_experiments.runs import Measured, run_telling, scenario_of
+from lexstack_sim.obstacles import Clearance
+from lexstack_sim.plant import Plant
+
+NAME = "obstacle"
+_ROUNDING = 1e-6  # of a ratio that meets its limit exactly
+_MOST = 0.6  # m: clearances are not looked at above this
+_COLUMNS = (
+    "case", "way", "clearance mm", "touching, ticks", "EE peak mm", "EE final mm", "acc. ratio",
+    "slack of distances mm/s",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """One way through one case.
+
+    Attributes:
+        case: which.
+        way: which.
+        loop: the run.
+        measured: its figures.
+        time: s, shape (T,).
+        clearance: least distance of the shapes to what they must not touch, m, shape (T,).
+        touching: ticks in which something touched.
+    """
+
+    case: Case
+    way: str
+    loop: Loop
+    measured: Measured
+    time: Vector
+    clearance: Vector
+    touching: int
+
+    @property
+    def ee_error(self) -> Matrix:
+        """Distance of the tools from their references, shape (T, N), mm."""
+        return self.measured.measures.ee_error
+
+
+def run(options: Options) -> Results:
+    """Run every case in every way, measure, draw."""
+    whole = scenario_of(options.config, NAME)
+    outcomes = [
+        _outcome(case, way, whole, options)
+        for case in cases()[: options.cases]
+        for way in case.ways
+    ]
+    draw_clearance([(o.case.name, o.way, o.time, o.clearance) for o in outcomes], options.out)
+    shown = next(o for o in outcomes if o.way == DISTANCE)
+    said = render_passing(shown.loop, options.out / "obstacle-passing.jpg")
+    options.say(said or "drew 2 pictures")
+    return Results(
+        NAME,
+        options.seed,
+        options.cases,
+        (*_goals(outcomes), *_stated(outcomes)),
+        (Table(_COLUMNS, tuple(_row(outcome) for outcome in outcomes)),),
+        {
+            "plant": "MuJoCo, joint impedance loop at 1 kHz",
+            "rate_hz": whole.scenario.rate,
+            "margin_mm": 50.0,
+            "stacks": {way: o.stack for o in cases() for way, o in o.ways.items()},
+        },
+        (
+            "clearance: between the robots' contact geometry and the obstacles; negative: depth.",
+            "EE peak counts where the tools are asked to stay; EE final: mean of the last 0.5 s.",
+        ),
+    )
+
+
+def _outcome(case: Case, way: str, whole: ResolvedScenario, options: Options) -> Outcome:
+    """Run one way through one case."""
+    resolved = case.scenario(whole, way, options.seed)
+    loop = run_telling(Loop(resolved), f"{case.name}, {way}", options.say)
+    assert isinstance(loop.plant, Plant)
+    team = loop.parts.team
+    measure = Clearance(loop.plant.world, team.names, team.obstacles)
+    clearance = [
+        (measure.between(s.q, _MOST) if case.meet else measure.at(s.q, s.stamp, _MOST)).min()
+        for s in loop.record.states
+    ]
+    return Outcome(
+        case,
+        way,
+        loop,
+        Measured.of(loop),
+        np.array([state.stamp for state in loop.record.states]),
+        np.array(clearance),
+        loop.plant.counters.contact,
+    )
+
+
+def _goals(outcomes: list[Outcome]) -> list[Figure]:
+    """Return what is to be reached: nobody is touched, the command keeps its limits."""
+    figures = []
+    for way in (DISTANCE, BASE):
+        mine = [o for o in outcomes if o.way == way]
+        names = {o.case.name for o in mine}
+        beside = [o for o in outcomes if o.way == NOTHING and o.case.name in names]
+        least, other = (
+            min((1e3 * float(o.clearance.min()) for o in group), default=None)
+            for group in (mine, beside)
+        )
+        touching, touched = (float(sum(o.touching for o in group)) for group in (mine, beside))
+        figures += [
+            Figure(
+                f"Least clearance, {way}", least, "mm", Goal(">=", 0.0), "", Peer(NOTHING, other)
+            ),
+            Figure(
+                f"Ticks in which something touches, {way}",
+                touching if mine else None,
+                "",
+                Goal("==", 0),
+                "",
+                Peer(NOTHING, touched),
+            ),
+        ]
+    avoiding = [o for o in outcomes if o.way != NOTHING]
+    peak = max(o.measured.metrics.peak_acceleration_ratio or 0.0 for o in avoiding)
+    empty = sum(o.measured.metrics.empty_bounds for o in avoiding)
+    figures += [
+        Figure("Peak acceleration of the command / limit", peak, "", Goal("<=", 1, _ROUNDING)),
+        Figure("Ticks with an empty box of bounds", empty, "", Goal("==", 0)),
+        Figure("Cases that are harmless by themselves", _harmless(outcomes), "", Goal("==", 0)),
+    ]
+    return figures
+
+
+def _harmless(outcomes: list[Outcome]) -> int:
+    """Return the cases in which nothing touches though nothing is done: they would show nothing."""
+    return sum(o.touching == 0 for o in outcomes if o.way == NOTHING)
+
+
+def _stated(outcomes: list[Outcome]) -> Iterable[Figure]:
+    """Yield the errors of the tools where they are asked to stay, and where they end."""
+    for outcome in outcomes:
+        if outcome.way == NOTHING:
+            continue
+        where = f"{outcome.case.name}, {outcome.way}"
+        if outcome.case.holds:
+            yield Figure(f"Peak EE error: {where}", float(outcome.ee_error.max()), "mm")
+        if not outcome.case.meet:
+            yield Figure(f"Final EE error: {where}", _final(outcome), "mm")
+
+
+def _row(outcome: Outcome) -> tuple[Cell, ...]:
+    """Return one line of the table."""
+    broken = [command.slacks[0] for command in outcome.loop.record.commands]
+    return (
+        outcome.case.name,
+        outcome.way,
+        1e3 * float(outcome.clearance.min()),
+        outcome.touching,
+        float(outcome.ee_error.max()) if outcome.case.holds else None,
+        _final(outcome),
+        outcome.measured.metrics.peak_acceleration_ratio,
+        1e3 * float(max(broken)) if outcome.way == DISTANCE else None,
+    )
+
+
+def _final(outcome: Outcome) -> float:
+    """Return the larger error of the tools at the end [mm]."""
+    return float(outcome.ee_error[outcome.time >= outcome.time[-1] - 0.5].mean(axis=0).max())
+
+
+EXPERIMENT = Experiment(
+    "obstacles that stand and move: base task, distance task, nothing", "cases", len(cases()), run
+)
+"""Registered under its name."""
