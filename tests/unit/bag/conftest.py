@@ -231,6 +231,7 @@ class Maker:
             duration=1.0,
             gap=0.0 if phase else np.nan,
             reason="",
+            robots=["robot_a", "robot_b"],
         )
 
 

@@ -46,11 +46,12 @@ def level():
 def test_at_alpha_0_the_last_command_is_the_optimum_and_at_1_the_source():
     command, source, tasks = RNG.normal(size=6), RNG.normal(size=6), level()
     bridge = latch(command, source, tasks, level_goes_on=False)
-    first, (follow,) = bridged(bridge, tasks, source, 0.0)
-    for task in (*first, follow):
+    first, follow = bridged(bridge, tasks, source, 0.0)
+    for task in first:
         np.testing.assert_allclose(task.residual(command), 0.0, atol=1e-12)
-    first, (follow,) = bridged(bridge, tasks, source, 1.0)
-    np.testing.assert_allclose(follow.residual(source), 0.0, atol=1e-12)
+    np.testing.assert_allclose(follow, command, atol=1e-12)
+    first, follow = bridged(bridge, tasks, source, 1.0)
+    np.testing.assert_array_equal(follow, source)
     for task, plain in zip(first, tasks, strict=True):
         np.testing.assert_array_equal(task.lower, plain.lower)
         np.testing.assert_array_equal(task.upper, plain.upper)
@@ -81,7 +82,8 @@ def test_a_level_goes_on_while_its_targets_move_by_less_than_the_joints_reach():
 
 
 def book():
-    return RequestBook(("track", "posture"), ("bridge",), resolved().scenario.transition)
+    stacks = {"track": (0, 1), "posture": (0, 1), "posture_a": (0,), "posture_b": (1,)}
+    return RequestBook(stacks, ("bridge",), resolved().scenario.transition)
 
 
 def test_a_request_takes_the_configured_values():
@@ -95,7 +97,10 @@ def test_a_request_takes_the_configured_values():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        (("dance", 0.0, "", 0), "unknown stack 'dance'; known: posture, track"),
+        (
+            ("dance", 0.0, "", 0),
+            "unknown stack 'dance'; known: posture, posture_a, posture_b, track",
+        ),
         (("track", -1.0, "", 0), "duration: must be in [0, 60] s"),
         (("track", float("nan"), "", 0), "duration"),
         (("track", float("inf"), "", 0), "duration"),
@@ -118,9 +123,9 @@ def test_requests_are_due_in_the_order_of_their_ticks():
     for tick in (30, 10, 20):
         requests.ask("track", 0.0, "", tick, now=0)
     assert [r.at_tick for r in requests.scheduled] == [10, 20, 30]
-    assert requests.due(9) is None
-    assert requests.peek(20).id == 3
-    assert requests.due(20).id == 3, "the newest of those due, the earlier are overtaken"
+    assert requests.due(9) == ()
+    assert [r.id for r in requests.peek(20)] == [3]
+    assert [r.id for r in requests.due(20)] == [3], "the newest; the earlier are overtaken"
     assert [r.at_tick for r in requests.scheduled] == [30]
 
 
@@ -129,6 +134,20 @@ def test_a_later_request_for_the_same_tick_replaces():
     requests.ask("track", 0.0, "", 10, now=0)
     requests.ask("posture", 0.0, "", 10, now=0)
     assert [(r.id, r.stack) for r in requests.scheduled] == [(2, "posture")]
+
+
+def test_requests_for_different_robots_stand_beside_each_other():
+    requests = book()
+    for stack in ("posture_a", "posture_b", "posture_a"):
+        requests.ask(stack, 0.0, "", 10, now=0)
+    assert [(r.id, r.robots) for r in requests.scheduled] == [(2, (1,)), (3, (0,))]
+    requests.ask("posture_b", 0.0, "", 8, now=0)
+    assert [r.id for r in requests.due(10)] == [2, 3], "4 is overtaken for the same robot"
+    requests.ask("track", 0.0, "", 20, now=10)
+    requests.ask("posture_b", 0.0, "", 20, now=10)
+    assert [r.stack for r in requests.peek(20)] == ["track", "posture_b"]
+    requests.ask("posture", 0.0, "", 20, now=10)
+    assert [r.stack for r in requests.due(20)] == ["posture"], "it moves all of their robots"
 
 
 def test_a_flood_is_refused_but_the_last_word_counts():
@@ -151,18 +170,34 @@ def test_the_source_solves_the_newest_stack_whose_tick_has_come():
     two = Announcement(2, "posture", 20, active=True)
     schedule.hear(two)
     schedule.hear(one)
-    assert schedule.current(9) is None
-    assert schedule.current(10) is one
-    assert schedule.current(20) is two
+    assert schedule.current(9) == ()
+    assert schedule.current(10) == (one,)
+    assert schedule.current(20) == (two,)
     schedule.hear(dataclasses.replace(two, active=False, start_tick=21))
-    assert schedule.current(21) is None, "what it replaced does not come back"
+    assert schedule.current(21) == (), "what it replaced does not come back"
+
+
+def test_the_source_solves_stacks_of_different_robots_at_the_same_time():
+    schedule = SourceSchedule()
+    both = Announcement(1, "track", 10, active=True)
+    one = Announcement(2, "posture_a", 20, active=True, robots=(0,))
+    other = Announcement(3, "posture_b", 30, active=True, robots=(1,))
+    for announcement in (other, one, both):
+        schedule.hear(announcement)
+    assert schedule.current(30) == (both, one, other), "the rest of the first one still needs it"
+    again = Announcement(4, "track_a", 31, active=True, robots=(0,))
+    schedule.hear(again)
+    assert schedule.current(31) == (both, other, again)
+    everyone = Announcement(5, "posture", 40, active=True, robots=(0, 1))
+    schedule.hear(everyone)
+    assert schedule.current(40) == (both, everyone), "that one said nothing of its robots"
 
 
 def test_an_announcement_that_is_withdrawn_is_forgotten():
     schedule = SourceSchedule()
     schedule.hear(Announcement(1, "track", 10, active=True))
     schedule.hear(Announcement(1, "track", 0, active=False))
-    assert schedule.current(10) is None
+    assert schedule.current(10) == ()
 
 
 def test_an_end_may_be_told_ahead_and_taken_back():
@@ -170,9 +205,9 @@ def test_an_end_may_be_told_ahead_and_taken_back():
     one = Announcement(1, "track", 10, active=True)
     schedule.hear(one)
     schedule.hear(Announcement(1, "track", 20, active=False))
-    assert schedule.current(19) is one
+    assert schedule.current(19) == (one,)
     schedule.hear(one)
-    assert schedule.current(20) is one
+    assert schedule.current(20) == (one,)
     schedule.hear(Announcement(1, "track", 21, active=False))
-    assert schedule.current(21) is None
-    assert schedule.current(22) is None
+    assert schedule.current(21) == ()
+    assert schedule.current(22) == ()

@@ -78,7 +78,8 @@ def test_a_command_and_its_transition_go_out():
     np.testing.assert_array_equal(chi.lower, command.bounds.lower)
     assert (chi.tick, chi.stack, chi.transition_id) == (4, "posture", command.transition.id)
     assert (chi.status, chi.empty_bounds, chi.reason) == (Chi.SOLVED, 0, "")
-    status = conversions.transition_status(command, TransitionStatus())
+    status = conversions.transition_status(command, command.transition, TransitionStatus())
+    assert status.robots == list(team().names)
     assert status.phase == TransitionStatus.BLENDING
     assert (status.from_stack, status.to_stack, status.source) == ("track", "posture", "robot_b")
     assert status.alpha == command.transition.alpha > 0.0
@@ -92,11 +93,15 @@ def test_phases_have_the_numbers_of_the_message():
 
 
 def test_requests_to_a_source_go_there_and_back():
-    announcement = Announcement(4, "posture", 17, active=True)
-    message = conversions.stack_request(announcement, 0.1)
-    assert conversions.to_announcement(message, ("posture",)) == announcement
+    announcement = Announcement(4, "posture", 17, active=True, robots=(1,))
+    message = conversions.stack_request(announcement, 0.1, team())
+    assert list(message.robots) == ["robot_b"]
+    assert conversions.to_announcement(message, ("posture",), team()) == announcement
     with pytest.raises(InputError, match="unknown stack 'dance'; known: posture"):
-        conversions.to_announcement(StackRequest(stack="dance"), ("posture",))
+        conversions.to_announcement(StackRequest(stack="dance"), ("posture",), team())
+    message.robots = ["robot_z"]
+    with pytest.raises(InputError, match="robots: unknown robot 'robot_z'; known: robot_a"):
+        conversions.to_announcement(message, ("posture",), team())
 
 
 def target(position=(1.0, 2.0, 3.0), rpy=(0.0, 0.0, 0.0), frame="world"):

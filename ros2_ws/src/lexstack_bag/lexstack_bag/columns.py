@@ -19,6 +19,9 @@ T = TypeVar("T", PlantStream, ChiStream, TransitionStream)
 
 Keep = Literal["first", "last", "all"]
 
+_SINCE: dict[str, Any] = {"robots": ()}
+"""Fields that messages of older bags do not have, and what stands for them."""
+
 
 class _Column(Protocol):
     """One field of all messages."""
@@ -33,7 +36,12 @@ class _Column(Protocol):
 
 
 class StreamBuilder(Generic[T]):
-    """Takes the messages of one topic whose fields bear the names of the stream's fields."""
+    """Takes the messages of one topic whose fields bear the names of the stream's fields.
+
+    Attributes:
+        replaced: takes the messages that another one of the same tick has replaced; None where
+            that cannot be.
+    """
 
     def __init__(self, kind: type[T], n: int, keep: Keep) -> None:
         """Start empty.
@@ -48,6 +56,9 @@ class StreamBuilder(Generic[T]):
         self._kind = kind
         self._n = n
         self._keep = keep
+        self.replaced: StreamBuilder[T] | None = None
+        if keep == "last":
+            self.replaced = StreamBuilder(kind, n, "all")
         self._restart()
 
     def add(self, message: Any, sent: int = 0) -> bool:
@@ -56,8 +67,12 @@ class StreamBuilder(Generic[T]):
         anew = self._keep != "all" and tick < self._last
         if anew:
             self._restart()
+            if self.replaced is not None:
+                self.replaced = StreamBuilder(self._kind, self._n, "all")
         if self._keep == "last":
-            if tick != self._last:
+            if tick == self._last and self._waiting is not None and self.replaced is not None:
+                self.replaced.add(*self._waiting)
+            elif tick != self._last:
                 self._append_waiting()
             self._waiting = message, sent
         elif self._keep == "all" or tick != self._last:
@@ -82,7 +97,7 @@ class StreamBuilder(Generic[T]):
             if name == "stamp":
                 column.add(seconds(message.header.stamp))
             else:
-                column.add(sent if name == "sent" else getattr(message, name))
+                column.add(sent if name == "sent" else getattr(message, name, _SINCE.get(name)))
 
     def _restart(self) -> None:
         """Forget all."""
@@ -171,10 +186,19 @@ class _Texts:
         return read_only(texts[np.frombuffer(self._codes, dtype=np.int64)])
 
 
+class _Names(_Texts):
+    """Lists of names, with a space between them."""
+
+    def add(self, value: list[str]) -> None:  # type: ignore[override]
+        """Append a list."""
+        super().add(" ".join(value))
+
+
 _COLUMNS: dict[str, Callable[[int], _Column]] = {
     "Integers": lambda _n: _Numbers("q"),
     "Vector": lambda _n: _Numbers("d"),
     "Strings": lambda _n: _Texts(),
+    "Names": lambda _n: _Names(),
     "Matrix": _Rows,
     "Ragged": lambda _n: _Ragged(),
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +19,13 @@ POSTURE_TASKS = frozenset({"posture"})
 
 @dataclass(frozen=True, slots=True)
 class Phase:
-    """The time from one trigger to the next."""
+    """The time from one trigger to the next that concerns one of its robots."""
 
     stack: str
     start: float  # s, the trigger; of the first phase the run's first tick
     end: float  # s, the next trigger or the run's end; not part of it
     adopted: float | None  # s, when robot A took the stack over; None: never, or the first phase
+    robots: tuple[str, ...] = ()  # that it is about; empty: all
 
     def ticks(self, time: Vector) -> NDArray[np.bool_]:
         """Return which of these times [s] lie in the phase."""
@@ -42,16 +43,20 @@ def find_phases(run: Run) -> tuple[Phase, ...]:
     end = float(run.plant.stamp[-1]) + run.period
     stack = run.chi[COMMANDER].stack
     initial = str(stack[0]) if len(stack) else run.resolved.scenario.initial_stack
-    starts = [(first, initial, None), *_switches(run)]
-    ends = [start for start, _, _ in starts[1:]] + [end]
+    starts = [Phase(initial, first, end, None), *_switches(run, end)]
     return tuple(
-        Phase(stack, start, until, adopted)
-        for (start, stack, adopted), until in zip(starts, ends, strict=True)
+        replace(phase, end=next((n.start for n in starts[i + 1 :] if _touch(phase, n)), end))
+        for i, phase in enumerate(starts)
     )
 
 
-def _switches(run: Run) -> list[tuple[float, str, float | None]]:
-    """Return trigger [s], stack and adoption [s] of every switch.
+def _touch(one: Phase, other: Phase) -> bool:
+    """Return whether two phases have a robot in common."""
+    return not (one.robots and other.robots and set(one.robots).isdisjoint(other.robots))
+
+
+def _switches(run: Run, end: float) -> list[Phase]:
+    """Return every switch as a phase that lasts until ``end`` [s].
 
     A stack counts as adopted at the end of the blend, also where A stays with the source.
     """
@@ -65,9 +70,11 @@ def _switches(run: Run) -> list[tuple[float, str, float | None]]:
         arrived = mine & (status.to_stack == target) & (status.alpha >= 1.0)
         arrived &= status.phase != TransitionPhase.ABORTED
         adopted = float(status.stamp[arrived][0]) if arrived.any() else None
-        switches.append((float(status.stamp[trigger]), target, adopted))
+        names = str(status.robots[trigger]).split() if len(status.robots) else []
+        robots = () if set(names) == set(run.robots) else tuple(names)
+        switches.append(Phase(target, float(status.stamp[trigger]), end, adopted, robots))
     # Numbers count requests; one that names a later tick may begin after its successor.
-    return sorted(switches, key=lambda switch: switch[0])
+    return sorted(switches, key=lambda switch: switch.start)
 
 
 def tasks_of(run: Run, stack: str, types: frozenset[str]) -> dict[str, TaskConfig]:
@@ -75,4 +82,5 @@ def tasks_of(run: Run, stack: str, types: frozenset[str]) -> dict[str, TaskConfi
     config = run.resolved.stacks.get(stack)
     levels = () if config is None else config.levels
     tasks = [task for level in levels for task in level.tasks if task.type in types]
-    return {name: task for name in run.robots for task in tasks[::-1] if task.robot in ("", name)}
+    moved = (config.robots if config is not None else ()) or run.robots
+    return {name: task for name in moved for task in tasks[::-1] if task.robot in ("", name)}

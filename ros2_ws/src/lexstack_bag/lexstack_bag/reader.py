@@ -32,6 +32,7 @@ from lexstack_core.model import Team
 
 PLANT_STATE = "/plant/state"
 COMMAND = "/robot_a/chi"
+CONTROLLERS = ("robot_a", "robot_b")  # whatever the robots are called
 TRANSITION = "/robot_a/transition"
 REQUEST = "/robot_a/stack_request"
 NEEDED = (PLANT_STATE, COMMAND, TRANSITION)
@@ -102,8 +103,7 @@ class _Collector:
         self._plant = StreamBuilder(PlantStream, n, "first")
         self._transition = StreamBuilder(TransitionStream, n, "all")
         self._chi = {
-            f"/{robot}/chi": StreamBuilder(ChiStream, n, "last")
-            for robot in resolved.scenario.robots
+            f"/{controller}/chi": StreamBuilder(ChiStream, n, "last") for controller in CONTROLLERS
         }
         self._targets: list[Target] = []
         self._requested: list[tuple[int, Any]] = []  # time of sending [ns], message
@@ -152,6 +152,11 @@ class _Collector:
             _lost(container, self._losses),
             container.complete,
             self._requests(),
+            {
+                topic.split("/")[1]: builder.replaced.build()
+                for topic, builder in self._chi.items()
+                if builder.replaced is not None
+            },
         )
 
     def _begin_anew(self) -> None:

@@ -21,6 +21,7 @@ from lexstack_core.model import Team
 
 Integers = NDArray[np.int64]
 Strings = NDArray[Any]  # of str, equal texts are one object
+Names = NDArray[Any]  # of str: several names, with a space between them
 Ragged = NDArray[np.float64]  # rows of different lengths: nan at their ends
 
 
@@ -60,7 +61,10 @@ class PlantStream:
 
 @dataclass(frozen=True, slots=True)
 class ChiStream:
-    """``/NAME/chi``, one row per tick, ticks ascending; rows that were empty are nan."""
+    """``/robot_a/chi`` or ``/robot_b/chi``, one row per tick, ticks ascending.
+
+    Rows of numbers that were empty are nan.
+    """
 
     tick: Integers  # (T,)
     stamp: Vector  # (T,) s
@@ -94,6 +98,8 @@ class TransitionStream:
     duration: Vector  # (T,) s
     gap: Vector  # (T,) m/s and rad/s, nan without a source
     reason: Strings  # (T,)
+    # names of the robots that each row is about, with a space between; empty: all
+    robots: Names = field(default_factory=lambda: read_only(np.zeros(0, np.str_)))  # (T,)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +140,8 @@ class Run:
     lost: int  # messages that the recorder missed
     complete: bool  # False: the file ends before its end
     requested: tuple[StackRequested, ...] = ()  # in the order in which they were sent
+    # as ``chi``, in the order of arrival: what another message of the same tick followed
+    replaced: dict[str, ChiStream] = field(default_factory=dict)
 
     @property
     def period(self) -> float:

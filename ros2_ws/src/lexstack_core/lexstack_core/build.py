@@ -62,7 +62,7 @@ def build_controller(
     return Controller(
         parts.team,
         build_references(resolved, parts.team),
-        Transition(parts.stacks, local, resolved.scenario),
+        Transition(parts.stacks, local, resolved.scenario, parts.team),
         solver() if solver else make_solver(resolved.scenario.solver),
         box or build_limits(resolved, parts),
     )

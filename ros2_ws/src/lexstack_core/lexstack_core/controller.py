@@ -15,7 +15,6 @@ from lexstack_core.model import Team
 from lexstack_core.references import ReferenceSchedule
 from lexstack_core.state import RobotState
 from lexstack_core.transition.machine import Transition
-from lexstack_core.transition.methods import JERK_LIMITED
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.status import TransitionState
 
@@ -29,12 +28,12 @@ class Command:
     Attributes:
         tick: the tick whose state it answers.
         stamp: that state's time [s].
-        stack: the stack in effect; during a blend the one that A goes to.
+        stack: names of the stacks in effect; during a blend of the one that A goes to.
         chi: the command, shape (n,), inside ``bounds``.
         bounds: the box at this tick.
         slacks: norm of the residual of each level that A solved.
         fallback: empty, or why the solver's answer was not used: then A brakes.
-        transition: where the transition stands.
+        transitions: where the transition of each channel stands, in the order of their robots.
         solve_time: wall time of the whole tick [s].
     """
 
@@ -45,8 +44,13 @@ class Command:
     bounds: Bounds
     slacks: Vector
     fallback: str
-    transition: TransitionState
+    transitions: tuple[TransitionState, ...]
     solve_time: float
+
+    @property
+    def transition(self) -> TransitionState:
+        """Where the transition of the first channel stands: often there is no other one."""
+        return self.transitions[0]
 
 
 class Controller:
@@ -77,9 +81,8 @@ class Controller:
         """
         begun = perf_counter()
         kinematics = self._team.kinematics(state)
-        stack, method = self.transition.governing(state.tick)
-        wanted = stack.limits or self._team.limits
-        limits, bounds = self._box.at(state, wanted, self._sent, jerk=method in JERK_LIMITED)
+        wanted, jerk = self.transition.limits(state.tick)
+        limits, bounds = self._box.at(state, wanted, self._sent, jerk=jerk)
         means = Means(
             bounds,
             self._bounds or bounds,
@@ -88,18 +91,18 @@ class Controller:
             limits=limits,
             dt=self._box.dt,
         )
-        plan = self.transition.step(kinematics, self.references.at(state.stamp), means)
-        bounds = self._bounds = plan.problem.bounds
-        solution = self._solver.solve(plan.problem, self._warm)
+        plans = self.transition.step(kinematics, self.references.at(state.stamp), means)
+        bounds = self._bounds = plans.problem.bounds
+        solution = self._solver.solve(plans.problem, self._warm)
         chi, fallback = checked(solution, bounds)
         self._warm = None if fallback else solution
         self._sent = chi
-        name = self.transition.target.name
-        told = self.transition.finish(plan, chi)
+        stack = self.transition.stack
+        told = self.transition.finish(plans, chi)
         return Command(
             state.tick,
             state.stamp,
-            name,
+            stack,
             chi,
             bounds,
             solution.slacks,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,8 @@ from lexstack_core.linear import LinearTask
 from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References
 from lexstack_core.tasks import TASKS, Task
+
+AT_REST = " at rest"  # ends the name of a stack whose lower levels are minimum velocity
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +32,11 @@ class Level:
             for task, scale in zip(self.tasks, self.scales, strict=True)
         )
 
+    def of(self, robots: Collection[int]) -> Level:
+        """Return the tasks that move these robots alone."""
+        kept = [i for i, task in enumerate(self.tasks) if set(task.robots) <= set(robots)]
+        return Level(tuple(self.tasks[i] for i in kept), tuple(self.scales[i] for i in kept))
+
 
 @dataclass(frozen=True, slots=True)
 class Stack:
@@ -38,11 +46,13 @@ class Stack:
         name: unique among the stacks.
         levels: highest first.
         limits: of all joints while this stack is in effect; None: the robots' own.
+        robots: places in the team of the robots that it moves; None: all.
     """
 
     name: str
     levels: tuple[Level, ...]
     limits: JointLimits | None = None
+    robots: tuple[int, ...] | None = None
 
     def linearise(
         self, kinematics: Kinematics, references: References
@@ -50,29 +60,67 @@ class Stack:
         """Return all levels made linear at the present state, T(12)."""
         return tuple(level.linearise(kinematics, references) for level in self.levels)
 
+    def of(self, robots: tuple[int, ...]) -> Stack:
+        """Return the part of the stack that moves these robots; levels keep their rank."""
+        if robots == self.robots:
+            return self
+        levels = tuple(level.of(robots) for level in self.levels)
+        return Stack(self.name, levels, self.limits, robots)
+
+    def coupling(self, robots: Collection[int]) -> str:
+        """Return the name of a task that moves both some of these robots and others, or ''."""
+        return next(
+            (
+                task.name
+                for level in self.levels
+                for task in level.tasks
+                if 0 < len(set(task.robots) & set(robots)) < len(set(task.robots))
+            ),
+            "",
+        )
+
+
+def joined(stacks: Sequence[Stack]) -> Stack:
+    """Return stacks of different robots as one, level by level; of one stack itself."""
+    if len(stacks) == 1:
+        return stacks[0]
+    depth = max(len(stack.levels) for stack in stacks)
+    ranks = [[s.levels[k] for s in stacks if k < len(s.levels)] for k in range(depth)]
+    levels = tuple(
+        Level(
+            tuple(task for level in rank for task in level.tasks),
+            tuple(scale for level in rank for scale in level.scales),
+        )
+        for rank in ranks
+    )
+    name = " + ".join(dict.fromkeys(stack.name for stack in stacks))
+    robots = sorted(robot for stack in stacks for robot in stack.robots or ())
+    return Stack(name, levels, robots=tuple(robots))
+
 
 def build_stack(config: StackConfig, team: Team) -> Stack:
     """Return a configured stack for a team; raises ConfigurationError naming stack and level."""
     levels = []
+    robots = tuple(sorted(team.index(name) for name in config.robots or team.names))
     for i, level in enumerate(config.levels):
         tasks: list[Task] = []
         scales: list[float] = []
         for j, task in enumerate(level.tasks):
             where = f"stack {config.name}: levels[{i}].tasks[{j}]"
-            built = _build_tasks(task, team, where)
+            built = _build_tasks(task, team, where, robots)
             tasks += built
             scales += [float(np.sqrt(task.weight))] * len(built)
         levels.append(Level(tuple(tasks), tuple(scales)))
     _check_names(config.name, levels)
-    return Stack(config.name, tuple(levels), _build_limits(config, team))
+    return Stack(config.name, tuple(levels), _build_limits(config, team), robots)
 
 
-def _build_tasks(config: TaskConfig, team: Team, where: str) -> list[Task]:
-    """Return one task, or one per robot where the file names none."""
+def _build_tasks(config: TaskConfig, team: Team, where: str, everyone: Sequence[int]) -> list[Task]:
+    """Return one task, or one for each robot of the stack where the file names none."""
     if config.type not in TASKS:
         known = ", ".join(sorted(TASKS))
         raise ConfigurationError(f"{where}: type: unknown task {config.type!r}; known: {known}")
-    robots = [team.index(config.robot)] if config.robot else range(len(team.robots))
+    robots = [team.index(config.robot)] if config.robot else everyone
     make = TASKS[config.type]
     return [make(team, robot, config.parameters, f"{where}: parameters") for robot in robots]
 

@@ -11,7 +11,7 @@ from lexstack_core.hqp import HqpProblem, HqpSolver, Solution
 from lexstack_core.linear import Vector
 from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References
-from lexstack_core.stack import Level, Stack
+from lexstack_core.stack import AT_REST, Level, Stack
 from lexstack_core.tasks import TASKS
 
 
@@ -26,33 +26,47 @@ class StackSolver:
         self._stacks = stacks
         self._solver = solver
         self._dt = dt
-        self._warm: tuple[str, Solution] | None = None
+        self._warm: dict[tuple[str, tuple[int, ...] | None], Solution] = {}
 
-    def bounds(self, stack: str, kinematics: Kinematics) -> Bounds:
+    def bounds(self, stack: str | Stack, kinematics: Kinematics) -> Bounds:
         """Return the viable position and velocity bounds of a stack at q*, T(35)."""
-        limits = self._stacks[stack].limits or self._team.limits
+        limits = self._known(stack).limits or self._team.limits
         return target_bounds(kinematics.state.q_star, limits, self._dt)
 
-    def solve(self, stack: str, kinematics: Kinematics, references: References) -> Solution:
-        """Return the optimum of a stack, warm from the tick before; chi of shape (n,)."""
+    def solve(self, stack: str | Stack, kinematics: Kinematics, references: References) -> Solution:
+        """Return the optimum of a stack, warm from the last time; chi of shape (n,).
+
+        Joints of robots that the stack does not move are 0.
+
+        Args:
+            stack: a known one by its name, or one that is not known by itself.
+            kinematics: of this tick.
+            references: of this tick.
+        """
+        known = self._known(stack)
         problem = HqpProblem(
-            self._stacks[stack].linearise(kinematics, references), self.bounds(stack, kinematics)
+            known.linearise(kinematics, references), self.bounds(known, kinematics)
         )
-        warm = self._warm[1] if self._warm is not None and self._warm[0] == stack else None
-        solution = self._solver.solve(problem, warm)
-        self._warm = (stack, solution) if solution.solved else None
+        key = (known.name, known.robots)
+        solution = self._solver.solve(problem, self._warm.pop(key, None))
+        if solution.solved:
+            self._warm[key] = solution
         return solution
 
-    def chi(self, stack: str, kinematics: Kinematics, references: References) -> Vector:
+    def chi(self, stack: Stack, kinematics: Kinematics, references: References) -> Vector:
         """Return the optimum of a stack, shape (n,), or zeros where it cannot be solved."""
         solution = self.solve(stack, kinematics, references)
         return solution.chi if solution.solved else np.zeros(self._team.n)
 
-    def at_rest(self, stack: str) -> Stack:
+    def at_rest(self, stack: Stack) -> Stack:
         """Return level 1 of a stack with minimum velocity below it."""
+        robots = range(len(self._team.robots)) if stack.robots is None else stack.robots
         tasks = tuple(
-            TASKS["minimum_velocity"](self._team, robot, {}, "at rest")
-            for robot in range(len(self._team.robots))
+            TASKS["minimum_velocity"](self._team, robot, {}, "at rest") for robot in robots
         )
-        levels = (self._stacks[stack].levels[0], Level(tasks, (1.0,) * len(tasks)))
-        return Stack(f"{stack} at rest", levels, self._stacks[stack].limits)
+        levels = (stack.levels[0], Level(tasks, (1.0,) * len(tasks)))
+        return Stack(f"{stack.name}{AT_REST}", levels, stack.limits, stack.robots)
+
+    def _known(self, stack: str | Stack) -> Stack:
+        """Return a stack, by its name or as it is."""
+        return self._stacks[stack] if isinstance(stack, str) else stack

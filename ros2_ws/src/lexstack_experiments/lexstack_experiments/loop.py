@@ -48,7 +48,7 @@ class Record:
     commands: list[Command] = field(default_factory=list)
     references: list[References] = field(default_factory=list)  # as robot B has them
     targets: list[Target] = field(default_factory=list)  # all that were ever added
-    sources: dict[int, np.ndarray] = field(default_factory=dict)  # robot B's chi by tick
+    sources: dict[int, np.ndarray] = field(default_factory=dict)  # robot B's chi by tick, of all
     b_times: dict[int, float] = field(default_factory=dict)  # s of wall time of B's solve, by tick
 
 
@@ -96,13 +96,14 @@ class Loop:
         state = self.plant.state()
         for announcement in self.controller.transition.take_announcements():
             self.schedule.hear(announcement)
-        wanted = self.schedule.current(state.tick)
         references = self.references_b.at(state.stamp)
-        if wanted is not None and self.b_answers(state.tick):
-            sample = self.ask_b(wanted, state, references)
-            heard = None if sample is None else self.link(sample)
-            if heard is not None:
-                self.controller.transition.hear(heard)
+        wanted = self.schedule.current(state.tick)
+        if wanted and self.b_answers(state.tick):
+            for announcement in wanted:
+                sample = self.ask_b(announcement, state, references)
+                heard = None if sample is None else self.link(sample)
+                if heard is not None:
+                    self.controller.transition.hear(heard)
         command = self.controller.tick(state)
         self.record.states.append(state)
         self.record.commands.append(command)
@@ -123,8 +124,12 @@ class Loop:
         begun = perf_counter()
         kinematics = self.parts.team.kinematics(state)
         solution = self.solver_b.solve(wanted.stack, kinematics, references)
-        self.record.b_times[state.tick] = perf_counter() - begun
-        self.record.sources[state.tick] = solution.chi
+        spent = self.record.b_times.get(state.tick, 0.0)
+        self.record.b_times[state.tick] = spent + perf_counter() - begun
+        chi = self.record.sources.setdefault(state.tick, np.zeros_like(solution.chi))
+        for robot in wanted.robots or range(len(self.parts.team.robots)):
+            part = self.parts.team.slices[robot]
+            chi[part] = solution.chi[part]
         return sample_of(wanted, state.tick, solution)
 
     def _schedule_event(self, event: EventConfig) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any, TypeVar
 
@@ -12,7 +12,7 @@ from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.controller import Controller
 from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, make_solver
 from lexstack_core.model import Team
-from lexstack_core.stack import Level, Stack
+from lexstack_core.stack import Level
 
 T = TypeVar("T")
 
@@ -116,7 +116,7 @@ class TimedLevel:
 def timed_parts(parts: Parts, kinematics: Stopwatch, tasks: Stopwatch) -> Parts:
     """Return parts that do the same, with kinematics and tasks timed."""
     stacks = {
-        name: Stack(name, tuple(TimedLevel(level, tasks) for level in stack.levels), stack.limits)
+        name: replace(stack, levels=tuple(TimedLevel(level, tasks) for level in stack.levels))
         for name, stack in parts.stacks.items()
     }
     return Parts(TimedTeam(parts.team, kinematics), stacks, parts.dt)

@@ -66,7 +66,7 @@ def _chi(commands: list[Command]) -> ChiStream:
         tick=_column((command.tick for command in commands), np.int64),
         stamp=_column((command.stamp for command in commands), np.float64),
         stack=_column((command.stack for command in commands), np.str_),
-        transition_id=_column((command.transition.id for command in commands), np.int64),
+        transition_id=_column((_newest(command) for command in commands), np.int64),
         chi=_column((command.chi for command in commands), np.float64),
         lower=_column((command.bounds.lower for command in commands), np.float64),
         upper=_column((command.bounds.upper for command in commands), np.float64),
@@ -80,10 +80,11 @@ def _chi(commands: list[Command]) -> ChiStream:
 
 def _transition(commands: list[Command]) -> TransitionStream:
     """Return where the transition stood."""
-    told = [command.transition for command in commands]
+    pairs = [(command, state) for command in commands for state in command.transitions]
+    told = [state for _, state in pairs]
     return TransitionStream(
-        tick=_column((command.tick for command in commands), np.int64),
-        stamp=_column((command.stamp for command in commands), np.float64),
+        tick=_column((command.tick for command, _ in pairs), np.int64),
+        stamp=_column((command.stamp for command, _ in pairs), np.float64),
         id=_column((state.id for state in told), np.int64),
         from_stack=_column((state.from_stack for state in told), np.str_),
         to_stack=_column((state.to_stack for state in told), np.str_),
@@ -94,6 +95,7 @@ def _transition(commands: list[Command]) -> TransitionStream:
         duration=_column((state.duration for state in told), np.float64),
         gap=_column((state.gap for state in told), np.float64),
         reason=_column((state.reason for state in told), np.str_),
+        robots=_column((" ".join(state.robots) for state in told), np.str_),
     )
 
 
@@ -107,6 +109,11 @@ def _targets(target: ScheduledTarget, team: Team) -> Iterable[Target]:
         x, y, yaw = target.base
         half = np.array([0.0, 0.0, np.sin(yaw / 2.0), np.cos(yaw / 2.0)])
         yield Target(name, "base", target.at, np.array([x, y, 0.0]), half)
+
+
+def _newest(command: Command) -> int:
+    """Return the id of the newest of a command's transitions."""
+    return max(state.id for state in command.transitions)
 
 
 def _status(command: Command) -> SolveStatus:

@@ -107,7 +107,7 @@ def chi_of_command(command: Command, message: Chi) -> Chi:
     message.header.stamp = to_time(command.stamp)
     message.tick = command.tick
     message.stack = command.stack
-    message.transition_id = command.transition.id
+    message.transition_id = max(state.id for state in command.transitions)
     message.chi = to_array(command.chi)
     message.lower = to_array(command.bounds.lower)
     message.upper = to_array(command.bounds.upper)
@@ -119,9 +119,10 @@ def chi_of_command(command: Command, message: Chi) -> Chi:
     return message
 
 
-def transition_status(command: Command, message: TransitionStatus) -> TransitionStatus:
-    """Return where A's transition stands, written into ``message``."""
-    state: TransitionState = command.transition
+def transition_status(
+    command: Command, state: TransitionState, message: TransitionStatus
+) -> TransitionStatus:
+    """Return where one of a command's transitions stands, written into ``message``."""
     message.header.stamp = to_time(command.stamp)
     message.tick = command.tick
     message.id = state.id
@@ -134,13 +135,14 @@ def transition_status(command: Command, message: TransitionStatus) -> Transition
     message.duration = state.duration
     message.gap = state.gap
     message.reason = state.reason
+    message.robots = list(state.robots)
     return message
 
 
 # ---- requests to a source
 
 
-def stack_request(announcement: Announcement, stamp: float) -> StackRequest:
+def stack_request(announcement: Announcement, stamp: float, team: Team) -> StackRequest:
     """Return an announcement as a message."""
     message = StackRequest()
     message.header.stamp = to_time(stamp)
@@ -149,15 +151,22 @@ def stack_request(announcement: Announcement, stamp: float) -> StackRequest:
     message.stack = announcement.stack
     message.start_tick = announcement.start_tick
     message.active = announcement.active
+    message.robots = [team.names[robot] for robot in announcement.robots]
     return message
 
 
-def to_announcement(message: StackRequest, stacks: Any) -> Announcement:
-    """Return a request to a source; raises InputError for a stack that is not known."""
+def to_announcement(message: StackRequest, stacks: Any, team: Team) -> Announcement:
+    """Return a request to a source; raises InputError for a stack or robot that is not known."""
+    where = "/robot_a/stack_request"
     if message.stack not in stacks:
         known = ", ".join(sorted(stacks))
-        raise InputError(f"/robot_a/stack_request: unknown stack {message.stack!r}; known: {known}")
-    return Announcement(message.id, message.stack, message.start_tick, message.active)
+        raise InputError(f"{where}: unknown stack {message.stack!r}; known: {known}")
+    for name in message.robots:
+        if name not in team.names:
+            known = ", ".join(team.names)
+            raise InputError(f"{where}: robots: unknown robot {name!r}; known: {known}")
+    robots = tuple(sorted(team.names.index(name) for name in message.robots))
+    return Announcement(message.id, message.stack, message.start_tick, message.active, robots)
 
 
 # ---- targets

@@ -41,10 +41,12 @@ def contract_topics(robots: Iterable[str]) -> dict[str, str]:
         "/plant/state": f"{interfaces}/PlantState",
         "/robot_a/transition": f"{interfaces}/TransitionStatus",
         "/robot_a/request_stack": "std_msgs/msg/String",
+        # The two controllers, whatever the robots are called.
+        "/robot_a/chi": f"{interfaces}/Chi",
+        "/robot_b/chi": f"{interfaces}/Chi",
     }
     for name in robots:
         topics |= {
-            f"/{name}/chi": f"{interfaces}/Chi",
             f"/{name}/joint_states": "sensor_msgs/msg/JointState",
             f"/{name}/ee_pose": "geometry_msgs/msg/PoseStamped",
             f"/{name}/odom": "nav_msgs/msg/Odometry",

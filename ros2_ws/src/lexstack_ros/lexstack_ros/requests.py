@@ -7,6 +7,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from lexstack_core.config.scenario import ScenarioConfig
+from lexstack_core.model import Team
 from lexstack_core.transition.machine import Transition
 from lexstack_interfaces.msg import StackRequest
 from lexstack_interfaces.srv import SwitchStack
@@ -22,10 +23,13 @@ class Requests:
         transition: whom to ask.
     """
 
-    def __init__(self, node: Node, transition: Transition, scenario: ScenarioConfig) -> None:
+    def __init__(
+        self, node: Node, transition: Transition, scenario: ScenarioConfig, team: Team
+    ) -> None:
         """Serve requests from now on."""
         self.transition = transition
         self._node = node
+        self._team = team
         self._stamp = 0.0
         self._out = node.create_publisher(StackRequest, "/robot_a/stack_request", LATCHED)
         node.create_service(SwitchStack, "/robot_a/switch_stack", self._on_switch)
@@ -44,7 +48,7 @@ class Requests:
         """Tell the source what it shall solve; ``stamp`` is the present time [s]."""
         self._stamp = self._stamp if stamp is None else stamp
         for announcement in self.transition.take_announcements():
-            self._out.publish(stack_request(announcement, self._stamp))
+            self._out.publish(stack_request(announcement, self._stamp, self._team))
 
     def _on_switch(
         self, request: SwitchStack.Request, response: SwitchStack.Response

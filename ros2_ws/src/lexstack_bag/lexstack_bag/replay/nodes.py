@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -18,20 +19,18 @@ from lexstack_bag.measures import COMMANDER
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.outcome import Outcome, joints_of
 from lexstack_bag.replay.requests import Ask, Cancel, requests_of
-from lexstack_bag.replay.states import Arrivals, States, begun_at, targets_of
-from lexstack_bag.run import Run, SolveStatus
+from lexstack_bag.replay.states import EVER, Arrivals, States, all_of, begun_at, targets_of
+from lexstack_bag.run import ChiStream, Run, SolveStatus
 from lexstack_core.build import Parts, build_controller, build_references, build_stack_solver
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.controller import Controller
 from lexstack_core.linear import Matrix, Vector
-from lexstack_core.references import ReferenceSchedule
+from lexstack_core.references import ReferenceSchedule, Target
 from lexstack_core.state import RobotState
-from lexstack_core.transition.status import SourceSample, SourceSchedule
+from lexstack_core.transition.status import Announcement, SourceSample, SourceSchedule
 
 SOLVER = "robot_b"
 """Whose chi robot B sends."""
-
-_EVER = 2**63 - 1  # ns
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,16 +55,15 @@ def replay_solver(question: Question) -> Outcome:
     run = question.run
     parts = Parts.of(question.resolved)
     solver, references = build_stack_solver(question.resolved, parts), _references(question, parts)
-    targets, begun = targets_of(run, parts.team), begun_at(run.chi[SOLVER])
-    states, chi = States(run), run.chi[SOLVER]
+    states, chi = States(run), all_of(run, SOLVER)
+    targets, begun = targets_of(run, parts.team), begun_at(chi)
     rows = [row for row, tick in enumerate(chi.tick) if int(tick) in states]
     replayed = np.full((len(rows), parts.team.n), np.nan)
     old, new = question.changes.stacks(question.resolved)
     for place, row in enumerate(rows):
-        tick, stack = int(chi.tick[row]), str(chi.stack[row])
-        for target in targets.until(begun.get(tick, _EVER)):
+        for target in targets.until(int(begun[row])):
             references.add(target)
-        state = states[tick]
+        state, stack = states[int(chi.tick[row])], str(chi.stack[row])
         stack = new if new and old in ("", stack) else stack
         answer = solver.solve(stack, parts.team.kinematics(state), references.at(state.stamp))
         replayed[place] = answer.chi if answer.chi.shape == replayed[place].shape else np.nan
@@ -84,7 +82,8 @@ def replay_controller(question: Question) -> Outcome:
     controller = build_controller(question.resolved, parts)
     states = States(run)
     ticks = states.between(int(chi.tick[0]), int(chi.tick[-1])) if len(chi.tick) else []
-    targets, begun = targets_of(run, parts.team), begun_at(chi)
+    targets = targets_of(run, parts.team)
+    begun = dict(zip(chi.tick.tolist(), begun_at(chi).tolist(), strict=True))
     user = _User(requests_of(run, question.changes, question.resolved))
     source = _LiveSource(question, parts) if question.changes else _RecordedSource(run)
     replayed = np.full((len(ticks), parts.team.n), np.nan)
@@ -93,13 +92,14 @@ def replay_controller(question: Question) -> Outcome:
         state = states[tick]
         if question.changes and sent is not None:
             state = replace(state, command=sent)
-        now = begun.get(tick, _EVER)
-        user.speak(controller, tick)
+        now = begun.get(tick, EVER)
+        user.speak(controller, source, tick)
         for target in targets.until(now):
             controller.references.add(target)
             source.references.add(target)
         source.answer(controller, state, now)
         sent = replayed[place] = controller.tick(state).chi
+        source.hear(controller.transition.take_announcements())
         question.progress((place + 1) / len(ticks))
     return _compared(run, parts, ticks, replayed)
 
@@ -110,19 +110,40 @@ class _User:
     def __init__(self, requests: Iterable[Ask | Cancel]) -> None:
         """Take the requests in their order."""
         self._waiting = list(requests)
-        self._done = 0  # id of the request that a cancellation has made itself
 
-    def speak(self, controller: Controller, tick: int) -> None:
+    def speak(self, controller: Controller, source: _Source, tick: int) -> None:
         """Ask what was asked before this tick was served."""
         while self._waiting and self._waiting[0].after < tick:
             request = self._waiting.pop(0)
             if isinstance(request, Cancel):
-                answer = controller.transition.cancel()
-                self._done = 0 if answer.request is None else answer.request.id
-            elif request.id != self._done:
+                controller.transition.cancel()
+            else:
                 controller.transition.ask(
                     request.stack, request.duration, request.method, request.at_tick
                 )
+            source.hear(controller.transition.take_announcements())
+
+
+class _Source(Protocol):
+    """Robot B, as the replayed A meets it."""
+
+    references: _Listener
+
+    def hear(self, announcements: Iterable[Announcement]) -> None:
+        """Take what A tells it."""
+        ...
+
+    def answer(self, controller: Controller, state: RobotState, now: int) -> None:
+        """Let A hear what it knows when it begins a tick, at a time [ns]."""
+        ...
+
+
+class _Listener(Protocol):
+    """Takes references."""
+
+    def add(self, target: Target) -> None:
+        """Take one."""
+        ...
 
 
 class _RecordedSource:
@@ -130,32 +151,35 @@ class _RecordedSource:
 
     def __init__(self, run: Run) -> None:
         """Take them from a run."""
-        chi = run.chi[SOLVER]
-        samples = [
-            SourceSample(
-                int(chi.transition_id[row]),
-                int(chi.tick[row]),
-                chi.chi[row],
-                int(chi.status[row]) == SolveStatus.SOLVED,
-            )
-            for row in range(len(chi.tick))
-            if not np.isnan(chi.chi[row]).any()  # refused by A
-        ]
-        times = dict(zip(chi.tick.tolist(), chi.sent.tolist(), strict=False))
-        self._samples = Arrivals([(times.get(s.tick, 0), s) for s in samples])
-        self.references = _Nobody()
+        chi = all_of(run, SOLVER)
+        self._samples = Arrivals(
+            [
+                (int(chi.sent[row]), _sample(chi, row))
+                for row in range(len(chi.tick))
+                if not np.isnan(chi.chi[row]).any()  # A refused it
+            ]
+        )
+        self.references: _Listener = _Nobody()
+
+    def hear(self, announcements: Iterable[Announcement]) -> None:
+        """Do nothing: what B answered is known."""
 
     def answer(self, controller: Controller, _state: RobotState, now: int) -> None:
         """Let A hear all that was sent before it began this tick."""
-        controller.transition.take_announcements()  # nobody needs them
         for sample in self._samples.until(now):
             controller.transition.hear(sample)
+
+
+def _slack(chi: ChiStream, row: int) -> float | None:
+    """Return what robot B said of level 1, None where it said nothing."""
+    known = chi.slacks.shape[1] > 0 and bool(np.isfinite(chi.slacks[row, 0]))
+    return float(chi.slacks[row, 0]) if known else None
 
 
 class _Nobody:
     """Needs no references."""
 
-    def add(self, _target: object) -> None:
+    def add(self, target: Target) -> None:
         """Do nothing."""
 
 
@@ -167,19 +191,34 @@ class _LiveSource:
         self._team = parts.team
         self._solver = build_stack_solver(question.resolved, parts)
         self._schedule = SourceSchedule()
-        self.references = _references(question, parts)
+        self.references: ReferenceSchedule = _references(question, parts)
+
+    def hear(self, announcements: Iterable[Announcement]) -> None:
+        """Know what to solve."""
+        for announcement in announcements:
+            self._schedule.hear(announcement)
 
     def answer(self, controller: Controller, state: RobotState, _now: int) -> None:
         """Solve for a state, if a stack is asked for."""
-        for announcement in controller.transition.take_announcements():
-            self._schedule.hear(announcement)
-        wanted = self._schedule.current(state.tick)
-        if wanted is None:
-            return
-        kinematics = self._team.kinematics(state)
-        solution = self._solver.solve(wanted.stack, kinematics, self.references.at(state.stamp))
-        usable = solution.solved and bool(np.isfinite(solution.chi).all())
-        controller.transition.hear(SourceSample(wanted.id, state.tick, solution.chi, usable))
+        for wanted in self._schedule.current(state.tick):
+            kinematics = self._team.kinematics(state)
+            references = self.references.at(state.stamp)
+            solution = self._solver.solve(wanted.stack, kinematics, references)
+            usable = solution.solved and bool(np.isfinite(solution.chi).all())
+            slack = float(solution.slacks[0]) if solution.slacks.size else None
+            sample = SourceSample(wanted.id, state.tick, solution.chi, usable, slack)
+            controller.transition.hear(sample)
+
+
+def _sample(chi: ChiStream, row: int) -> SourceSample:
+    """Return one of B's messages as A took it."""
+    return SourceSample(
+        int(chi.transition_id[row]),
+        int(chi.tick[row]),
+        chi.chi[row],
+        int(chi.status[row]) == SolveStatus.SOLVED,
+        _slack(chi, row),
+    )
 
 
 def _references(question: Question, parts: Parts) -> ReferenceSchedule:

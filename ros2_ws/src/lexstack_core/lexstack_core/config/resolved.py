@@ -33,6 +33,13 @@ class ResolvedScenario:
         for i, event in enumerate(self.scenario.events):
             if event.switch:
                 _known(f"{where}: events[{i}].switch", event.switch, self.stacks)
+        moved = self.stacks[self.scenario.initial_stack].robots
+        left = [name for name in self.scenario.robots if moved and name not in moved]
+        if left:
+            raise ConfigurationError(
+                f"{where}: initial_stack: {self.scenario.initial_stack!r} leaves "
+                f"{', '.join(left)} without a stack"
+            )
 
     def to_yaml(self) -> str:
         """Return the whole as one YAML text, which ``from_yaml`` reads again."""
@@ -45,7 +52,9 @@ class ResolvedScenario:
 
 
 def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
-    """Return a scenario file with its robots and all stacks of the configuration folder.
+    """Return a scenario file with its robots and the stacks of the configuration folder.
+
+    A stack that names robots which the scenario has not is left out.
 
     Args:
         path: the scenario's file.
@@ -62,10 +71,34 @@ def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
             model: load_robot(folder / "robots" / f"{model}.yaml")
             for model in dict.fromkeys(place.model for place in scenario.robots.values())
         },
-        load_stacks(folder / "stacks"),
+        _fitting(scenario, load_stacks(folder / "stacks"), str(path)),
     )
     resolved.validate(str(path))
     return resolved
+
+
+def _fitting(
+    scenario: ScenarioConfig, stacks: dict[str, StackConfig], where: str
+) -> dict[str, StackConfig]:
+    """Return the stacks whose robots a scenario has; raise ConfigurationError if it needs others.
+
+    Args:
+        scenario: with its robots, and the stacks that it names.
+        stacks: of the configuration folder.
+        where: the scenario's file.
+    """
+    wanted = {scenario.initial_stack, *(event.switch for event in scenario.events)}
+    fitting = {}
+    for name, stack in stacks.items():
+        absent = [robot for robot in stack.named if robot not in scenario.robots]
+        if not absent:
+            fitting[name] = stack
+        elif name in wanted:
+            raise ConfigurationError(
+                f"{where}: stack {name!r} names robots that the scenario has not: "
+                f"{', '.join(absent)}"
+            )
+    return fitting
 
 
 def load_robot(path: Path) -> RobotConfig:

@@ -67,9 +67,30 @@ class StackConfig:
     name: str
     description: str
     levels: tuple[LevelConfig, ...]
+    robots: tuple[str, ...] = ()  # that it moves; empty: all of the scenario
     limits: dict[str, dict[str, JointLimitConfig]] = field(default_factory=dict)  # robot, joint
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a stack without levels."""
+        """Raise ConfigurationError for a stack without levels, or one that contradicts itself."""
         if not self.levels:
             raise ConfigurationError(f"{where}: levels: a stack needs at least one level")
+        for name in self.robots:
+            if self.robots.count(name) > 1:
+                raise ConfigurationError(f"{where}: robots: {name!r} stands in it twice")
+        for name in self.named if self.robots else ():
+            if name not in self.robots:
+                known = ", ".join(self.robots)
+                raise ConfigurationError(
+                    f"{where}: robots: {name!r} is named by a task or limit, but not here: {known}"
+                )
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """The robots that the stack names: in ``robots``, in its tasks and in its limits."""
+        tasks = [task for level in self.levels for task in level.tasks]
+        names = [*self.robots, *self.limits]
+        for task in tasks:
+            # Tasks that couple robots name the others in their parameters.
+            others = task.parameters.get("robots") or ()
+            names += [task.robot, str(task.parameters.get("other", "")), *map(str, others)]
+        return tuple(dict.fromkeys(name for name in names if name))

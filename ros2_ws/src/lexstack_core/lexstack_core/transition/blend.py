@@ -9,9 +9,11 @@ import numpy as np
 from lexstack_core.hqp import HqpProblem
 from lexstack_core.linear import LinearTask, Vector
 from lexstack_core.stack import Stack
-from lexstack_core.transition.bridge import Bridge, follows_within, goes_on, latch
+from lexstack_core.transition.bridge import Bridge, follows_within, latch
 from lexstack_core.transition.carry import Carry
 from lexstack_core.transition.methods import METHODS, View
+from lexstack_core.transition.part import Part
+from lexstack_core.transition.past import Past
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.profile import alpha
 from lexstack_core.transition.request import SwitchRequest
@@ -24,91 +26,104 @@ _FELT = 1e-3  # of a joint's acceleration limit: no difference of accelerations 
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """From where to where.
+
+    Attributes:
+        request: that is served.
+        part: the robots that go.
+        origin: the stack that they come from.
+        target: the stack that they go to.
+        whole: whether they are all robots that this stack moves.
+    """
+
+    request: SwitchRequest
+    part: Part
+    origin: Stack
+    target: Stack
+    whole: bool
+
+    def of(self, part: Part) -> Way:
+        """Return the way of some of its robots."""
+        origin, target = self.origin.of(part.robots), self.target.of(part.robots)
+        return Way(self.request, part, origin, target, whole=False)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Blend:
     """A blend under way.
 
     Attributes:
-        request: that it serves.
-        origin: the stack that A comes from.
-        target: the stack that A goes to.
+        way: from where to where, for which request.
         source: whose chi it follows.
         start: the tick at which alpha is 0.
         bridge: the gaps that were latched there, and what is carried over at this tick.
         source_chi: the source's optimum of this tick, shape (n,).
-        heading: A's acceleration without what made it latch, shape (n,), m/s^2 and rad/s^2.
+        step: how far A would have moved its command at the start, without what made it latch, (n,).
         carry: the motion of the gap at its latch, None where it has none.
         drift: how far the source's optimum has moved since the tick before, shape (n,).
         progress: alpha of this tick, and its rate where the profile has a state.
         takes_over: whether it leads from B's chi at the end to A's own, and so away from B.
+        end: the first tick for which the source is no longer needed, None until it is known.
     """
 
-    request: SwitchRequest
-    origin: Stack
-    target: Stack
+    way: Way
     source: Source
     start: int
     bridge: Bridge
     source_chi: Vector
-    heading: Vector
+    step: Vector
     carry: Carry | None = None
     drift: Vector | None = None
     progress: Progress = _START
     takes_over: bool = False
+    end: int | None = None
+
+    @property
+    def request(self) -> SwitchRequest:
+        """The request that it serves."""
+        return self.way.request
 
     @classmethod
     def latched(
         cls,
-        request: SwitchRequest,
-        stacks: tuple[Stack, Stack],
+        way: Way,
         source: tuple[Source, Vector],
+        level: tuple[LinearTask, ...],
+        past: Past,
         moment: Moment,
-        before: Blend | None,
-        means: Means,
     ) -> Blend:
         """Return a blend that starts at this tick: delta and epsilon latched, alpha at 0.
 
         Args:
-            request: to serve.
-            stacks: where A comes from and where it goes to.
+            way: from where to where.
             source: whom to follow, and its chi of this tick, shape (n,).
+            level: level 1 of the target at this tick.
+            past: what A was about to do.
             moment: this tick.
-            before: the blend that A was in until now, which may have moved level 1.
-            means: what the controller lends.
         """
-        origin, target = stacks
-        kinematics, references = moment.kinematics, moment.references
-        followed = origin if before is None else before.target
-        level = target.levels[0].linearise(kinematics, references)
-        past = followed.levels[0].linearise(kinematics, moment.before)
-        same = goes_on(level, past, means.reach)
-        command, carry = kinematics.state.command, None
-        if before is None:
-            # What A would have sent without the switch: its motion then goes on as it was, where
-            # the last command would stand still for a tick.
-            levels = origin.linearise(kinematics, references if same else moment.before)
-            start = means.solve(HqpProblem(levels, means.bounds))
-        else:
-            step, carry = before.left(moment.tick, request.duration, means)
-            start = command + step
-            same = same and before.bridge.epsilon is None
-        bridge = latch(start, source[1], level, same)
-        heading = (start - command) / means.dt
-        blend = cls(request, origin, target, source[0], moment.tick, bridge, source[1], heading)
-        # A new request looks at B again.
-        over = before is not None and before.takes_over and before.request is request
-        return replace(blend, carry=carry, takes_over=over)
+        bridge = latch(past.start, source[1], level, past.level_goes_on)
+        step = past.start - moment.kinematics.state.command
+        return cls(way, source[0], moment.tick, bridge, source[1], step, past.carry)
 
-    def taken_over(self, own: Vector, tick: int, dt: float) -> Blend:
+    def taken_over(self, own: Vector, tick: int) -> Blend:
         """Return the blend from B's chi of this tick on to A's own optimum of it, shape (n,).
 
         Where B's chi is late or frozen, adopting the stack at once would make the command jump by
         their difference.
         """
         bridge = Bridge(self.source_chi - own, None)
-        heading = np.zeros_like(own) if self.drift is None else self.drift / dt
-        stacks = (self.origin, self.target)
-        blend = Blend(self.request, *stacks, Source.LOCAL, tick, bridge, own, heading)
-        return replace(blend, takes_over=True)
+        step = np.zeros_like(own) if self.drift is None else self.drift
+        return Blend(self.way, Source.LOCAL, tick, bridge, own, step, takes_over=True)
+
+    def of(self, part: Part) -> Blend:
+        """Return the blend of some of its robots, which goes on as it is."""
+        way = self.way.of(part)
+        epsilon, tasks = self.bridge.epsilon, self.way.target.levels[0].tasks
+        if epsilon is not None:
+            kept = [set(task.robots) <= set(part.robots) for task in tasks]
+            epsilon = tuple(gap for gap, mine in zip(epsilon, kept, strict=True) if mine)
+        return replace(self, way=way, bridge=replace(self.bridge, epsilon=epsilon))
 
     def advanced(self, chi: Vector, tick: int, means: Means) -> Blend:
         """Return the blend at a tick, given the source's chi (n,) for it."""
@@ -116,14 +131,19 @@ class Blend:
             return replace(self, source_chi=chi)
         drift, elapsed = chi - self.source_chi, (tick - self.start) * means.dt
         if self.request.profile == "time_optimal":
+            mine, limits = self.way.part.columns, means.limits
             progress = advanced(
-                self.progress, self.bridge.delta, drift / means.dt, means.limits, means.dt
+                self.progress,
+                self.bridge.delta[mine],
+                drift[mine] / means.dt,
+                (limits.acceleration[mine], limits.jerk[mine]),
+                means.dt,
             )
         else:
             progress = Progress(alpha(self.request.profile, elapsed, self.request.duration))
         carry, bridge = self.carry, self.bridge
         if tick == self.start + 1:
-            carry = self._with_slip(drift / means.dt, means)
+            carry = self._with_slip(drift, means)
         if carry is not None:
             bridge = replace(bridge, carried=carry.at(elapsed))
         return replace(
@@ -137,7 +157,7 @@ class Blend:
             How far the command would have moved since the tick before, shape (n,), and the motion
             of the gap.
         """
-        step = np.zeros_like(self.heading) if self.drift is None else self.drift
+        step = np.zeros_like(self.step) if self.drift is None else self.drift
         carry = None
         if self.request.profile != "time_optimal":
             before, now, after = (self._gap((tick + k - self.start) * means.dt) for k in (-1, 0, 1))
@@ -154,19 +174,21 @@ class Blend:
         """
         if moment.references is moment.before or self.start == moment.tick:
             return False
-        old = self.target.levels[0].linearise(moment.kinematics, moment.before)
+        old = self.way.target.levels[0].linearise(moment.kinematics, moment.before)
         return not follows_within(level, old, means.reach)
 
     def problem(self, level: tuple[LinearTask, ...], moment: Moment, means: Means) -> HqpProblem:
         """Return what the request's method asks for at this tick; ``level`` is the new level 1."""
         state = (moment.kinematics, moment.references)
+        way = self.way
         view = View(
+            way.part,
             level,
             self.source_chi,
             means.bounds,
             means.before,
-            new=lambda: self.target.linearise(*state),
-            old=lambda: self.origin.linearise(*state),
+            new=lambda: way.target.linearise(*state),
+            old=lambda: way.origin.linearise(*state),
             free=means.free,
             solve=means.solve,
         )
@@ -178,19 +200,16 @@ class Blend:
         gap = (1.0 - alpha(request.profile, elapsed, request.duration)) * self.bridge.delta
         return gap if self.carry is None else gap + self.carry.at(max(elapsed, 0.0))
 
-    def _with_slip(self, acceleration: Vector, means: Means) -> Carry | None:
-        """Return the motion of the gap, now that the source's acceleration (n,) is known."""
+    def _with_slip(self, drift: Vector, means: Means) -> Carry | None:
+        """Return the motion of the gap, now that the source's step from tick to tick is known."""
         if self.request.profile == "time_optimal":
             return None
-        slip = self.heading - acceleration
-        carry = self.carry
+        slip = (self.step - drift) / means.dt
+        carry, limit = self.carry, means.limits.acceleration
         if carry is not None:
-            slip = slip - carry.speed
-        limit = means.limits.acceleration
-        if (np.abs(slip) <= _FELT * limit).all():
+            slip -= carry.speed
+        mine = self.way.part.columns
+        if (np.abs(slip[mine]) <= _FELT * limit[mine]).all():
             return carry
         slip = np.minimum(np.maximum(slip, -limit), limit)
-        if carry is None:
-            none = np.zeros_like(slip)
-            carry = Carry(none, none, self.request.duration)
-        return replace(carry, slip=slip)
+        return replace(carry or Carry.none(slip.size, self.request.duration), slip=slip)

@@ -56,8 +56,8 @@ def latch(
 
 def bridged(
     bridge: Bridge, level: tuple[LinearTask, ...], source: Vector, alpha: float
-) -> tuple[tuple[LinearTask, ...], ...]:
-    """Return the two levels that A solves at this tick, given alpha in [0, 1]."""
+) -> tuple[tuple[LinearTask, ...], Vector]:
+    """Return level 1 and the chi to follow below it, shape (n,), given alpha in [0, 1]."""
     rest = 1.0 - alpha
     first = level
     if bridge.epsilon is not None:
@@ -68,12 +68,7 @@ def bridged(
     target = source + rest * bridge.delta
     if bridge.carried is not None:
         target += bridge.carried
-    return (first, (follow_chi(target),))
-
-
-def follow_chi(target: Vector) -> LinearTask:
-    """Return the task chi -> target, shape (n,), T(33)."""
-    return LinearTask.equality("follow_chi", np.eye(target.size), target)
+    return first, target
 
 
 def goes_on(new: tuple[LinearTask, ...], old: tuple[LinearTask, ...], reach: Vector) -> bool:
@@ -86,7 +81,13 @@ def goes_on(new: tuple[LinearTask, ...], old: tuple[LinearTask, ...], reach: Vec
         old: the level that A followed until now.
         reach: how far each joint's velocity may change in one tick, (n,), m/s and rad/s.
     """
-    return same_rows(new, old) and follows_within(new, old, reach)
+    by_name = {task.name: task for task in old}
+    if len(new) != len(old) or not all(task.name in by_name for task in new):
+        return False
+    same = tuple(by_name[task.name] for task in new)
+    if not all(np.array_equal(a.matrix, b.matrix) for a, b in zip(new, same, strict=True)):
+        return False
+    return follows_within(new, same, reach)
 
 
 def follows_within(new: tuple[LinearTask, ...], old: tuple[LinearTask, ...], reach: Vector) -> bool:
@@ -97,6 +98,8 @@ def follows_within(new: tuple[LinearTask, ...], old: tuple[LinearTask, ...], rea
         old: the level as it was asked for before, at the same state: the same tasks.
         reach: how far each joint's velocity may change, m/s and rad/s.
     """
+    if not new:
+        return True
     pairs = list(zip(new, old, strict=True))
     lower = np.concatenate([_moved(a.lower, b.lower) for a, b in pairs])
     upper = np.concatenate([_moved(a.upper, b.upper) for a, b in pairs])
@@ -106,14 +109,6 @@ def follows_within(new: tuple[LinearTask, ...], old: tuple[LinearTask, ...], rea
         not moved.any()
         or bool((np.abs(np.linalg.lstsq(matrix, moved, rcond=None)[0]) <= reach).all())
         for moved in ends
-    )
-
-
-def same_rows(one: tuple[LinearTask, ...], other: tuple[LinearTask, ...]) -> bool:
-    """Return whether two levels, made linear at the same state, have the same rows."""
-    return len(one) == len(other) and all(
-        a.name == b.name and np.array_equal(a.matrix, b.matrix)
-        for a, b in zip(one, other, strict=True)
     )
 
 

@@ -14,9 +14,12 @@ difference of two messages it is led away in a short time tau.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from lexstack_core.linear import Vector
+from lexstack_core.transition.part import Columns
 
 _SHORT = 0.2  # s, tau; a jump of the source by x is felt as an excursion of about 4 x at 100 Hz
 
@@ -36,6 +39,18 @@ class Carry:
     bend: Vector
     duration: float
     slip: Vector | None = None
+
+    @classmethod
+    def none(cls, n: int, duration: float) -> Carry:
+        """Return that of a gap which does not move."""
+        zeros = np.zeros(n)
+        return cls(zeros, zeros, duration)
+
+    def with_part(self, columns: Columns, other: Carry) -> Carry:
+        """Return it with the motion of another one on some joints."""
+        speed, bend = self.speed.copy(), self.bend.copy()
+        speed[columns], bend[columns] = other.speed[columns], other.bend[columns]
+        return replace(self, speed=speed, bend=bend)
 
     def at(self, elapsed: float) -> Vector:
         """Return its part of the gap ``elapsed`` seconds after the latch, shape (n,)."""

@@ -1,22 +1,24 @@
-"""Robot A's transition from stack to stack: who is followed, since when, and what comes next."""
+"""Robot A's transitions from stack to stack: which robots are on which way, and what comes next."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
+from lexstack_core.bounds import JointLimits
 from lexstack_core.config.scenario import ScenarioConfig
-from lexstack_core.hqp import HqpProblem
 from lexstack_core.linear import Vector
-from lexstack_core.model import Kinematics
+from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References
-from lexstack_core.stack import Stack
-from lexstack_core.transition.blend import Blend
-from lexstack_core.transition.methods import BRIDGES, METHODS
-from lexstack_core.transition.plan import Means, Plan
-from lexstack_core.transition.request import Answer, RequestBook, SwitchRequest
+from lexstack_core.stack import AT_REST, Stack
+from lexstack_core.transition.announcer import Announcer, Wanted
+from lexstack_core.transition.asked import AskedLimits
+from lexstack_core.transition.channel import Channel
+from lexstack_core.transition.gathering import begun, together
+from lexstack_core.transition.methods import JERK_LIMITED, METHODS
+from lexstack_core.transition.part import Part
+from lexstack_core.transition.plan import Means, Plans
+from lexstack_core.transition.request import Answer, RequestBook, SwitchRequest, in_effect
 from lexstack_core.transition.sources import LocalSource, Moment, Sources
 from lexstack_core.transition.status import (
     Announcement,
@@ -25,15 +27,22 @@ from lexstack_core.transition.status import (
     SourceSample,
     TransitionState,
 )
-
-_SAME = 1e-3  # of what a joint's acceleration limit allows in one tick: no difference that is felt
+from lexstack_core.transition.telling import told
 
 
 class Transition:
-    """The transition of one controller; ``step`` before its solve, ``finish`` after it."""
+    """The transitions of one controller; ``step`` before its solve, ``finish`` after it.
+
+    Robots that are on the same way make a channel. A request takes its robots out of theirs, the
+    others go on; several requests for different robots are under way at the same time.
+    """
 
     def __init__(
-        self, stacks: Mapping[str, Stack], local: LocalSource, scenario: ScenarioConfig
+        self,
+        stacks: Mapping[str, Stack],
+        local: LocalSource,
+        scenario: ScenarioConfig,
+        team: Team,
     ) -> None:
         """Start idle on the scenario's initial stack.
 
@@ -41,42 +50,43 @@ class Transition:
             stacks: every stack that may be asked for, by name.
             local: what A follows where robot B is lost.
             scenario: rate, mode, transition and timeouts.
+            team: the robots.
         """
+        everyone = tuple(range(len(team.robots)))
+        whose = {
+            name: everyone if stack.robots is None else stack.robots
+            for name, stack in stacks.items()
+        }
         self._stacks = stacks
+        self._team = team
         self._sources = Sources(local, scenario)
-        self._book = RequestBook(stacks, METHODS, scenario.transition)
-        self._config = scenario.transition
+        self._book = RequestBook(whose, METHODS, scenario.transition)
         self._adopts = scenario.transition.at_end == "adopt"
         self._lockstep = scenario.mode == "lockstep"
-        self._dt = 1.0 / scenario.rate
-        self._stack = stacks[scenario.initial_stack]
-        self._blend: Blend | None = None
-        self._pending: SwitchRequest | None = None
-        self._used: References | None = None
+        self._asked = AskedLimits(team.limits, always=scenario.limit_jerk)
+        self._announcer = Announcer()
         self._tick = 0
-        self._id = 0
-        self._from = self._stack.name
-        self._reason = ""
-        self._aborted = ""
-        self._outbox: list[Announcement] = []
+        self._pending: tuple[SwitchRequest, ...] = ()  # whose tick has come, B's first chi has not
+        self._parts = {everyone: Part.of(team, everyone)}
+        initial = stacks[scenario.initial_stack].of(everyone)
+        first = Channel(self._parts[everyone], (initial,), initial.name)
+        self._channels: tuple[Channel, ...] = (first,)
 
     @property
-    def target(self) -> Stack:
-        """The stack in effect; during a blend the one that A goes to."""
-        return self._stack if self._blend is None else self._blend.target
-
-    def governing(self, tick: int) -> tuple[Stack, str]:
-        """Return the stack that this tick serves or goes to, and by what method ('': by none)."""
-        due = self._book.peek(tick) or self._pending
-        if due is not None and self._sources.first(due.id, due.at_tick, tick) is not None:
-            return self._stacks[due.stack], due.method
-        return self.target, "" if self._blend is None else self._blend.request.method
+    def stack(self) -> str:
+        """Names of the stacks in effect; during a blend of the one that A goes to."""
+        if len(self._channels) == 1:
+            return self._channels[0].target.name
+        return " + ".join(dict.fromkeys(channel.target.name for channel in self._channels))
 
     # ---- what comes in between two ticks
 
     def ask(self, stack: str, duration: float, method: str, at_tick: int) -> Answer:
         """Return the answer to a request to switch; see RequestBook.ask."""
-        return self._ask(stack, duration, method, at_tick, "")
+        refusal = self._refusal(stack, at_tick)
+        if refusal:
+            return Answer(False, refusal)
+        return self._book.ask(stack, duration, method, at_tick, self._tick)
 
     def set_defaults(self, duration: float, method: str) -> None:
         """Change what an empty duration [s] and method stand for; see RequestBook."""
@@ -84,41 +94,193 @@ class Transition:
 
     def request(self, stack: str) -> Answer:
         """Ask as configured, for those who hear no answer: a refusal stands in the state."""
-        answer = self._ask(stack, 0.0, "", 0, "")
+        answer = self.ask(stack, 0.0, "", 0)
         if not answer.accepted:
-            self._reason = f"refused: {answer.message}"
+            reason = f"refused: {answer.message}"
+            self._channels = tuple(replace(each, reason=reason) for each in self._channels)
         return answer
 
     def cancel(self) -> Answer:
-        """Give up the transition under way and those scheduled, and go back smoothly."""
-        blend, dropped = self._blend, self._drop_coming()
-        if not dropped and blend is None:
+        """Give up all transitions under way and those scheduled, and go back smoothly."""
+        dropped = (*self._pending, *self._book.scheduled)
+        self._book.clear()
+        self._pending = ()
+        blends = [channel for channel in self._channels if channel.blend is not None]
+        if not dropped and not blends:
             return Answer(False, "there is no transition to cancel")
-        gone = blend.request.id if blend is not None else dropped[-1].id
-        self._aborted = f"transition {gone} was cancelled"
-        if blend is None:
-            return Answer(True, f"transition {gone} is cancelled before it began")
-        answer = self._ask(self._stack.name, 0.0, "", 0, f"{self._aborted}; going back")
-        return replace(answer, message=f"transition {gone} is cancelled; {answer.message}")
+        gone = dict.fromkeys(channel.id for channel in blends) or {dropped[-1].id: None}
+        plural = "s" if len(gone) > 1 else ""
+        what = f"transition{plural} {', '.join(map(str, gone))}"
+        why = f"{what} {'were' if plural else 'was'} cancelled"
+        concerned = {id(channel) for channel in blends} or {id(each) for each in self._channels}
+        self._channels = tuple(
+            replace(each, aborted=why) if id(each) in concerned else each for each in self._channels
+        )
+        done = f"{what} {'are' if plural else 'is'} cancelled"
+        if not blends:
+            return Answer(True, f"{done} before it began")
+        back = [stack for channel in blends for stack in channel.adopted]
+        answers = [self._back(stack, f"{why}; going back") for stack in back]
+        text = "; ".join([done, *(answer.message for answer in answers)])
+        return replace(answers[-1], message=text)
 
     def end(self) -> None:
         """Let the source forget all that was asked of it: this transition is not used further."""
-        self._drop_coming()
-        if self._blend is not None:
-            self._withdraw(self._blend.request)
+        self._book.clear()
+        self._pending = ()
+        self._channels = tuple(replace(each, blend=None) for each in self._channels)
 
     def hear(self, sample: SourceSample) -> None:
-        """Take the source's newest chi."""
+        """Take the source's newest chi of a transition."""
         self._sources.hear(sample)
 
     def awaits(self, tick: int) -> bool:
         """Return whether this tick needs a chi of the source that is not there yet (lockstep)."""
         if not self._lockstep:
             return False
-        due = self._book.peek(tick) or self._pending
-        if due is not None:
-            return self._sources.fresh(due.id, tick) is None
-        blend = self._blend
+        due = self._due(tick)
+        if any(self._sources.fresh(request.id, tick) is None for request in due):
+            return True
+        leaving = {robot for request in due for robot in request.robots}
+        return any(
+            self._needs(channel, tick)
+            for channel in self._channels
+            if channel.blend is not None and not leaving.issuperset(channel.part.robots)
+        )
+
+    def take_announcements(self) -> list[Announcement]:
+        """Return what the source must be told, once."""
+        wanted: dict[int, Wanted] = {
+            request.id: (request, None) for request in (*self._pending, *self._book.scheduled)
+        }
+        for channel in self._channels:
+            blend = channel.blend
+            if blend is None or blend.takes_over:
+                continue
+            id_, end = blend.request.id, blend.end
+            if id_ in wanted:
+                other = wanted[id_][1]
+                end = None if end is None or other is None else max(end, other)
+            wanted[id_] = (blend.request, end)
+        news = self._announcer.changes(wanted)
+        if news:
+            self._sources.keep(wanted)
+        return news
+
+    # ---- the tick
+
+    def limits(self, tick: int) -> tuple[JointLimits, bool]:
+        """Return the limits that this tick asks for, and whether a method limits jerk."""
+        ways = [(channel.part, channel.target, channel.method) for channel in self._channels]
+        for request in self._starting(self._due(tick), tick)[0]:
+            stay = [set(part.robots) - set(request.robots) for part, _, _ in ways]
+            ways = [
+                (self._part(robots), stack, method)
+                for robots, (_, stack, method) in zip(stay, ways, strict=True)
+                if robots
+            ]
+            goal = (self._part(request.robots), self._stacks[request.stack], request.method)
+            ways.append(goal)
+        return self._asked.of(
+            [(part.columns, stack.limits, method in JERK_LIMITED) for part, stack, method in ways]
+        )
+
+    def step(self, kinematics: Kinematics, references: References, means: Means) -> Plans:
+        """Return what A solves at this tick, with what the controller lends.
+
+        While the source's first solution for a new stack is awaited, its robots go on with what
+        they did, with the references of before: they change together with the stack.
+        """
+        self._tick = kinematics.state.tick
+        due = self._due(self._tick)
+        held: set[int] = set()
+        if due:
+            self._book.due(self._tick)
+            starting, self._pending = self._starting(due, self._tick)
+            held = {robot for request in self._pending for robot in request.robots}
+            for request in starting:
+                self._begin(request, kinematics, references, means)
+        channels, plans = [], []
+        for channel in self._channels:
+            before = channel.used or references
+            now = before if held and held.intersection(channel.part.robots) else references
+            moment = Moment(kinematics, now, before)
+            after, plan = channel.step(moment, means, self._sources, adopts=self._adopts)
+            channels.append(after)
+            plans.append(plan)
+        self._channels = tuple(channels)
+        return Plans.of(plans, [channel.part.columns for channel in channels])
+
+    def finish(self, plans: Plans, chi: Vector) -> tuple[TransitionState, ...]:
+        """Return what to tell of this tick, after ``chi`` (n,) was solved; adopt at the end."""
+        pairs = list(zip(self._channels, plans.each, strict=True))
+        states = tuple(
+            told(channel, plan, chi, self._coming(channel), adopts=self._adopts)
+            for channel, plan in pairs
+        )
+        channels = tuple(
+            channel.finished(plan, self._sources, adopts=self._adopts) for channel, plan in pairs
+        )
+        self._channels = channels if len(channels) == 1 else together(channels, self._part)
+        return states
+
+    # ---- inside
+
+    def _due(self, tick: int) -> tuple[SwitchRequest, ...]:
+        """Return the requests whose tick has come, the older ones first."""
+        due = self._book.peek(tick)
+        return in_effect((*self._pending, *due)) if due else self._pending
+
+    def _starting(
+        self, due: Iterable[SwitchRequest], tick: int
+    ) -> tuple[list[SwitchRequest], tuple[SwitchRequest, ...]]:
+        """Return the requests that begin at this tick, and those that wait.
+
+        A request waits for B's first chi, and for every older one that shares a robot with it.
+        """
+        starting, waiting, held = [], [], set[int]()
+        for request in due:
+            first = self._sources.first(request.id, request.at_tick, tick)
+            if first is None or held.intersection(request.robots):
+                waiting.append(request)
+                held.update(request.robots)
+            else:
+                starting.append(request)
+        return starting, tuple(waiting)
+
+    def _begin(
+        self, request: SwitchRequest, kinematics: Kinematics, references: References, means: Means
+    ) -> None:
+        """Take a request's robots out of their channels, on to their way."""
+        part, tick = self._part(request.robots), kinematics.state.tick
+        touched = [each for each in self._channels if part.shares(each.part)]
+        coupling = _coupling(touched, part)
+        if coupling:
+            reason = f"transition {request.id} to {request.stack!r} is dropped: {coupling}"
+            self._channels = tuple(
+                replace(each, reason=reason) if each in touched else each for each in self._channels
+            )
+            return
+        rest = [(each, set(each.part.robots) - set(part.robots)) for each in touched]
+        inside = [each.of(self._part(set(each.part.robots) & set(part.robots))) for each in touched]
+        target = self._stacks[request.stack].of(part.robots)
+        before = _before(inside, references)
+        moment = Moment(kinematics, references, before)
+        whole = target is self._stacks[request.stack]
+        level = target.levels[0].linearise(kinematics, references) if whole else ()
+        found = self._sources.first(request.id, request.at_tick, tick, level)
+        assert found is not None
+        source, why = found
+        chi = self._sources.chi(source, request.id, target, moment)
+        goal = (part, target, whole)
+        channel = begun(inside, request, goal, (source, chi, why), moment, means)
+        others = [each for each in self._channels if each not in touched]
+        others += [each.of(self._part(robots)) for each, robots in rest if robots]
+        self._channels = tuple(sorted([*others, channel], key=lambda each: each.part.robots))
+
+    def _needs(self, channel: Channel, tick: int) -> bool:
+        """Return whether a channel in a blend waits for B's chi of this tick."""
+        blend = channel.blend
         if blend is None or blend.takes_over:
             return False
         if self._sources.fresh(blend.request.id, tick) is not None:
@@ -128,153 +290,76 @@ class Transition:
             blend.request.id, blend.start
         )
 
-    def take_announcements(self) -> list[Announcement]:
-        """Return what the source must be told, once."""
-        taken, self._outbox = self._outbox, []
-        return taken
+    def _coming(self, channel: Channel) -> tuple[SwitchRequest, Phase] | None:
+        """Return the next request that takes robots of a channel, and how far it is."""
+        robots = set(channel.part.robots)
+        for requests, phase in (
+            (self._pending, Phase.PREPARING),
+            (self._book.scheduled, Phase.REQUESTED),
+        ):
+            for request in requests:
+                if robots.intersection(request.robots):
+                    return request, phase
+        return None
 
-    # ---- the tick
+    def _refusal(self, stack: str, at_tick: int) -> str:
+        """Return why a stack cannot be gone to at a tick, or ''; 0 is the next one.
 
-    def step(self, kinematics: Kinematics, references: References, means: Means) -> Plan:
-        """Return what A solves at this tick, with what the controller lends.
-
-        While the source's first solution for a new stack is awaited, A goes on with what it did,
-        with the references of before: they change together with the stack.
+        What is asked for until then is taken as done.
         """
-        self._tick = kinematics.state.tick
-        before = self._used or references
-        self._pending = self._book.due(self._tick) or self._pending
-        if self._pending is not None:
-            level = self._stacks[self._pending.stack].levels[0].linearise(kinematics, references)
-            first = self._sources.first(self._pending.id, self._pending.at_tick, self._tick, level)
-            if first is None:
-                references = before
-            else:
-                self._begin(self._pending, *first, Moment(kinematics, references, before), means)
-        self._used = references
-        if self._blend is None:
-            levels = self._stack.linearise(kinematics, references)
-            return Plan(HqpProblem(levels, means.bounds), None, 1.0)
-        return self._go_on(self._blend, Moment(kinematics, references, before), means)
+        if stack not in self._stacks:
+            return ""  # the book says what is known
+        part = self._part(self._book.robots(stack))
+        channels: Sequence[Channel] = self._channels
+        for request in (*self._pending, *self._book.scheduled):
+            if at_tick and request.at_tick > at_tick:
+                break
+            other = self._part(request.robots)
+            goal = self._stacks[request.stack].of(request.robots)
+            rest = [set(each.part.robots) - set(other.robots) for each in channels]
+            channels = [
+                each.of(self._part(robots))
+                for each, robots in zip(channels, rest, strict=True)
+                if robots
+            ]
+            channels.append(Channel(other, (goal,), ""))
+        coupling = _coupling([each for each in channels if part.shares(each.part)], part)
+        return coupling and f"stack {stack!r}: {coupling}"
 
-    def finish(self, plan: Plan, chi: Vector) -> TransitionState:
-        """Return what to tell of this tick, after ``chi`` (n,) was solved; adopt at the end."""
-        gap = 0.0 if plan.source is None else float(np.max(np.abs(chi - plan.source)))
-        told = self._told(plan.alpha, gap)
-        self._aborted = ""
-        if self._blend is not None and plan.alpha >= 1.0 and self._adopts:
-            self._adopt(self._blend)
-        return told
+    def _back(self, stack: Stack, reason: str) -> Answer:
+        """Ask for a stack that robots were on before."""
+        name = stack.name if stack.name in self._stacks else stack.name.removesuffix(AT_REST)
+        robots = stack.robots
+        return self._book.ask(name, 0.0, "", 0, self._tick, reason=reason, robots=robots)
 
-    # ---- inside
+    def _part(self, robots: Iterable[int]) -> Part:
+        """Return the part of some robots, made when first asked for."""
+        key = tuple(sorted(robots))
+        if key not in self._parts:
+            self._parts[key] = Part.of(self._team, key)
+        return self._parts[key]
 
-    def _ask(self, stack: str, duration: float, method: str, at_tick: int, reason: str) -> Answer:
-        answer = self._book.ask(stack, duration, method, at_tick, self._tick, reason)
-        if answer.request is not None:
-            self._announce(answer.request)
-        return answer
 
-    def _announce(self, request: SwitchRequest) -> None:
-        """Let the source solve a request's stack from its tick on."""
-        announcement = Announcement(request.id, request.stack, request.at_tick, active=True)
-        self._outbox.append(announcement)
+def _coupling(channels: Iterable[Channel], part: Part) -> str:
+    """Return which task couples robots of a part with others of their channel, in words, or ''."""
+    for channel in channels:
+        task = channel.target.coupling(part.robots)
+        if task:
+            others = [name for name in channel.part.names if name not in part.names]
+            return (
+                f"the task {task!r} of {channel.target.name!r} couples its robots with "
+                f"{', '.join(others)}"
+            )
+    return ""
 
-    def _withdraw(self, request: SwitchRequest, from_tick: int = 0) -> None:
-        """Let the source forget a request, at once or from a tick on."""
-        self._outbox.append(Announcement(request.id, request.stack, from_tick, active=False))
 
-    def _drop_coming(self) -> list[SwitchRequest]:
-        """Forget the requests that have not begun, and return them."""
-        dropped = [*self._book.scheduled, *([self._pending] if self._pending else [])]
-        self._book.clear()
-        self._pending = None
-        for request in dropped:
-            self._withdraw(request)
-        return dropped
-
-    def _begin(
-        self, request: SwitchRequest, source: Source, why: str, moment: Moment, means: Means
-    ) -> None:
-        """Start to follow: the pending request becomes the blend under way."""
-        reason = request.reason
-        if self._blend is not None:
-            self._withdraw(self._blend.request)
-            reason = reason or f"pre-empted transition {self._blend.request.id}"
-        self._reason = "; ".join(part for part in (reason, why) if part)
-        self._id, self._from, self._pending = request.id, self._stack.name, None
-        chi = self._sources.chi(source, request.id, request.stack, moment)
-        stacks = (self.target, self._stacks[request.stack])
-        self._blend = Blend.latched(request, stacks, (source, chi), moment, self._blend, means)
-
-    def _go_on(self, blend: Blend, moment: Moment, means: Means) -> Plan:
-        """Return what A solves in a blend; latch anew where the source or level 1 changed."""
-        request, source = blend.request, blend.source
-        level = blend.target.levels[0].linearise(moment.kinematics, moment.references)
-        if not blend.takes_over:
-            source, why = self._sources.present(blend.source, request.id, moment.tick, level)
-            self._reason = why or self._reason
-        chi = self._sources.chi(source, request.id, request.stack, moment)
-        if source is not blend.source or blend.level_jumps(level, moment, means):
-            stacks = (blend.origin, blend.target)
-            blend = Blend.latched(request, stacks, (source, chi), moment, blend, means)
-            if not blend.takes_over:
-                self._announce(request)  # the end that it was told is no longer right
-        blend = blend.advanced(chi, moment.tick, means)
-        if self._adopts and source is Source.ROBOT_B:
-            if blend.progress.alpha >= 1.0:
-                blend = self._taken_over(blend, moment, means)
-            elif blend.advanced(chi, moment.tick + 1, means).progress.alpha >= 1.0:
-                # Told one tick ahead, so that the source never solves for nothing.
-                self._withdraw(request, from_tick=moment.tick + 2)
-        self._blend = blend
-        problem = blend.problem(level, moment, means)
-        return Plan(problem, blend.source_chi, blend.progress.alpha)
-
-    def _taken_over(self, blend: Blend, moment: Moment, means: Means) -> Blend:
-        """Return how A goes on at the end: as it is where its own optimum is B's, else to it."""
-        request = blend.request
-        if request.method not in BRIDGES:
-            return blend
-        own = self._sources.chi(Source.LOCAL, request.id, request.stack, moment)
-        apart = np.abs(own - blend.source_chi)
-        if (apart <= _SAME * means.limits.acceleration * self._dt).all():
-            return blend
-        self._reason = (
-            f"robot B's chi at tick {moment.tick} is {apart.max():.2g} off robot A's own: "
-            "robot A blends on to its own"
-        )
-        return blend.taken_over(own, moment.tick, self._dt)
-
-    def _adopt(self, blend: Blend) -> None:
-        """Take the new stack over; the source may rest."""
-        self._stack = blend.target
-        if blend.source is Source.MINIMUM_VELOCITY:
-            self._stack = self._sources.at_rest(blend.request.stack)
-            self._aborted = f"{self._reason}; at rest"
-        self._blend = None
-
-    def _told(self, part: float, gap: float) -> TransitionState:
-        """Return the state of this tick in the words of the message."""
-        blend, pending = self._blend, self._pending
-        state = TransitionState(
-            self._id,
-            self._from,
-            self.target.name,
-            Source.NONE if blend is None else blend.source,
-            "" if blend is None else blend.request.method,
-            Phase.IDLE,
-            part,
-            0.0 if blend is None else blend.request.duration,
-            gap,
-            self._reason,
-        )
-        if self._aborted:
-            return replace(state, phase=Phase.ABORTED, reason=self._aborted)
-        if blend is not None:
-            at_end = part >= 1.0 and self._adopts
-            return replace(state, phase=Phase.ADOPTING if at_end else Phase.BLENDING)
-        coming = pending or (self._book.scheduled[0] if self._book.scheduled else None)
-        if coming is None:
-            return state
-        phase = Phase.REQUESTED if pending is None else Phase.PREPARING
-        return replace(state, id=coming.id, to_stack=coming.stack, phase=phase, alpha=0.0)
+def _before(channels: Sequence[Channel], references: References) -> References:
+    """Return the references of the tick before, of every robot from its channel."""
+    if len(channels) == 1:
+        return channels[0].used or references
+    ee, base = list(references.ee), list(references.base)
+    for channel in channels:
+        used = channel.used or references
+        for robot in channel.part.robots:
+            ee[robot], base[robot] = used.ee[robot], used.base[robot]
+    return References(tuple(ee), tuple(base))

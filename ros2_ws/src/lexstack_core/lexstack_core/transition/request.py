@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from lexstack_core.config.scenario import TransitionConfig
@@ -19,6 +19,7 @@ class SwitchRequest:
     Attributes:
         id: transition id, counted from 1.
         stack: the stack to go to.
+        robots: places in the team of the robots that go there.
         duration: of the blend [s].
         method: of the transition.
         profile: of alpha.
@@ -28,6 +29,7 @@ class SwitchRequest:
 
     id: int
     stack: str
+    robots: tuple[int, ...]
     duration: float
     method: str
     profile: str
@@ -45,12 +47,19 @@ class Answer:
 
 
 class RequestBook:
-    """Accepted requests in the order of their ticks; a later one for the same tick replaces."""
+    """Accepted requests in the order of their ticks.
+
+    A later request for the same tick, or one that is due later while an earlier one still waits,
+    replaces the earlier one where it moves all of its robots.
+    """
 
     def __init__(
-        self, stacks: Collection[str], methods: Collection[str], defaults: TransitionConfig
+        self,
+        stacks: Mapping[str, tuple[int, ...]],
+        methods: Collection[str],
+        defaults: TransitionConfig,
     ) -> None:
-        """Know what may be asked for, and what an empty field stands for."""
+        """Know the stacks with their robots' places, the methods, and what empty fields mean."""
         self._stacks = stacks
         self._methods = methods
         self._duration = defaults.duration
@@ -64,7 +73,15 @@ class RequestBook:
         self._duration, self._method = duration, method
 
     def ask(
-        self, stack: str, duration: float, method: str, at_tick: int, now: int, reason: str = ""
+        self,
+        stack: str,
+        duration: float,
+        method: str,
+        at_tick: int,
+        now: int,
+        *,
+        reason: str = "",
+        robots: tuple[int, ...] | None = None,
     ) -> Answer:
         """Return the answer to a request made while ``now`` is the last tick that was served.
 
@@ -75,6 +92,7 @@ class RequestBook:
             at_tick: 0: the next tick.
             now: the last tick.
             reason: why, if not a user's wish.
+            robots: places of those that shall go there; None: all that the stack moves.
         """
         refusal = self._refusal(stack, duration, method, at_tick, now)
         if refusal:
@@ -83,28 +101,38 @@ class RequestBook:
         request = SwitchRequest(
             self._count,
             stack,
+            self._stacks[stack] if robots is None else robots,
             duration or self._duration,
             method or self._method,
             self._profile,
             at_tick or now + 1,
             reason,
         )
-        self._scheduled = [r for r in self._scheduled if r.at_tick != request.at_tick]
+        self._scheduled = [
+            entry
+            for entry in self._scheduled
+            if entry.at_tick != request.at_tick or not _covers(request, entry)
+        ]
         self._scheduled.append(request)
-        self._scheduled.sort(key=lambda entry: entry.at_tick)
+        self._scheduled.sort(key=lambda entry: entry.at_tick)  # stable: keeps their order
         text = f"transition {request.id} to {stack!r} starts at tick {request.at_tick}"
         return Answer(True, text, request)
 
-    def peek(self, tick: int) -> SwitchRequest | None:
-        """Return the newest request whose tick has come, or None."""
-        due = [request for request in self._scheduled if request.at_tick <= tick]
-        return due[-1] if due else None
+    def robots(self, stack: str) -> tuple[int, ...]:
+        """Return the places of the robots that a known stack moves."""
+        return self._stacks[stack]
 
-    def due(self, tick: int) -> SwitchRequest | None:
-        """Return the newest request whose tick has come, and forget it and those before it."""
-        newest = self.peek(tick)
-        self._scheduled = [request for request in self._scheduled if request.at_tick > tick]
-        return newest
+    def peek(self, tick: int) -> tuple[SwitchRequest, ...]:
+        """Return the requests whose tick has come and that none of them replaces, in order."""
+        due = [request for request in self._scheduled if request.at_tick <= tick]
+        return in_effect(due)
+
+    def due(self, tick: int) -> tuple[SwitchRequest, ...]:
+        """Return what ``peek`` does, and forget it and what was replaced."""
+        found = self.peek(tick) if self._scheduled else ()
+        if self._scheduled:
+            self._scheduled = [entry for entry in self._scheduled if entry.at_tick > tick]
+        return found
 
     @property
     def scheduled(self) -> tuple[SwitchRequest, ...]:
@@ -132,3 +160,17 @@ class RequestBook:
         ):
             return f"{MAX_SCHEDULED} requests are scheduled already; wait for one to be served"
         return ""
+
+
+def in_effect(requests: Sequence[SwitchRequest]) -> tuple[SwitchRequest, ...]:
+    """Return the requests, in their order, that no later one replaces."""
+    return tuple(
+        request
+        for i, request in enumerate(requests)
+        if not any(_covers(later, request) for later in requests[i + 1 :])
+    )
+
+
+def _covers(later: SwitchRequest, earlier: SwitchRequest) -> bool:
+    """Return whether a request moves all robots of another one."""
+    return set(earlier.robots) <= set(later.robots)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -22,11 +23,11 @@ _ROUNDING = 1e-6  # relative and absolute, of the norm of level 1's residual
 class LocalSource(Protocol):
     """A's own stand-in for robot B."""
 
-    def chi(self, stack: str, kinematics: Kinematics, references: References) -> Vector:
+    def chi(self, stack: Stack, kinematics: Kinematics, references: References) -> Vector:
         """Return the optimum of a stack, shape (n,), or zeros where it cannot be solved."""
         ...
 
-    def at_rest(self, stack: str) -> Stack:
+    def at_rest(self, stack: Stack) -> Stack:
         """Return level 1 of a stack with minimum velocity below it."""
         ...
 
@@ -58,7 +59,7 @@ class Sources:
         """Know the stand-in, and from the scenario when B counts as lost."""
         self._local = local
         self._lost = Source(scenario.transition.on_loss)
-        self._heard: SourceSample | None = None
+        self._heard: dict[int, SourceSample] = {}  # the newest of each transition
         # In lockstep the wait has happened, on the wall's clock, before a tick is served.
         lockstep, timeouts = scenario.mode == "lockstep", scenario.timeouts
         self._lockstep = lockstep
@@ -66,35 +67,36 @@ class Sources:
         self._patience = 0 if lockstep else round(timeouts.source_patience * scenario.rate)
 
     def hear(self, sample: SourceSample) -> None:
-        """Take robot B's newest chi."""
-        self._heard = sample
+        """Take robot B's newest chi of a transition."""
+        self._heard[sample.transition_id] = sample
+
+    def keep(self, transition_ids: Collection[int]) -> None:
+        """Forget all other transitions."""
+        self._heard = {id_: heard for id_, heard in self._heard.items() if id_ in transition_ids}
 
     def fresh(self, transition_id: int, tick: int) -> Vector | None:
         """Return B's chi (n,) for a transition if it is new enough for this tick, else None."""
-        heard = self._heard
-        if heard is None or heard.transition_id != transition_id or not heard.solved:
+        heard = self._heard.get(transition_id)
+        if heard is None or not heard.solved:
             return None
         return heard.chi if 0 <= tick - heard.tick <= self._stale else None
 
     def answered_since(self, transition_id: int, tick: int) -> bool:
         """Return whether B has solved for a transition at a later tick than this one."""
-        heard = self._heard
-        return (
-            heard is not None
-            and heard.transition_id == transition_id
-            and heard.solved
-            and heard.tick > tick
-        )
+        heard = self._heard.get(transition_id)
+        return heard is not None and heard.solved and heard.tick > tick
 
-    def wrong_by(self, tick: int, level: Rows) -> float:
+    def wrong_by(self, transition_id: int, tick: int, level: Rows) -> float:
         """Return by how much the chi of this very tick misses what its source says of level 1.
 
         A solves level 1 from the same state, so it can tell whether a chi that claims to be of
         this tick is. In realtime a new target may reach the two robots at different ticks, and
-        chi is older: there the age alone counts.
+        chi is older: there the age alone counts. Without ``level`` there is nothing to compare.
         """
-        heard = self._heard
-        if not self._lockstep or heard is None or heard.tick != tick or heard.slack is None:
+        heard = self._heard.get(transition_id)
+        if not self._lockstep or not level or heard is None or heard.slack is None:
+            return 0.0
+        if heard.tick != tick:
             return 0.0
         residual = sum(float(r.dot(r)) for r in (task.residual(heard.chi) for task in level))
         miss = abs(math.sqrt(residual) - heard.slack)
@@ -108,7 +110,7 @@ class Sources:
         ``level`` is level 1 of the new stack at this tick.
         """
         if self.fresh(transition_id, tick) is not None:
-            miss = self.wrong_by(tick, level) if level else 0.0
+            miss = self.wrong_by(transition_id, tick, level)
             return (self._lost, _wrong(tick, miss, self._lost)) if miss else (Source.ROBOT_B, "")
         if tick - asked_at >= self._patience:
             return self._lost, f"robot B sent no chi by tick {tick}: {_instead(self._lost)}"
@@ -122,17 +124,18 @@ class Sources:
         ``level`` is level 1 of the new stack at this tick.
         """
         if self.fresh(transition_id, tick) is not None:
-            changed, miss = source is not Source.ROBOT_B, self.wrong_by(tick, level)
+            changed, miss = source is not Source.ROBOT_B, self.wrong_by(transition_id, tick, level)
             if not miss:
                 return Source.ROBOT_B, f"robot B is back at tick {tick}" if changed else ""
             return (source, "") if changed else (self._lost, _wrong(tick, miss, self._lost))
         if source is not Source.ROBOT_B:
             return source, ""
-        heard = "nothing" if self._heard is None else f"tick {self._heard.tick}"
-        lost = f"robot B lost at tick {tick}, last heard {heard}: {_instead(self._lost)}"
+        heard = self._heard.get(transition_id)
+        last = "nothing" if heard is None else f"tick {heard.tick}"
+        lost = f"robot B lost at tick {tick}, last heard {last}: {_instead(self._lost)}"
         return self._lost, lost
 
-    def chi(self, source: Source, transition_id: int, stack: str, moment: Moment) -> Vector:
+    def chi(self, source: Source, transition_id: int, stack: Stack, moment: Moment) -> Vector:
         """Return the chi of a source for this tick, shape (n,).
 
         From robot B it must be fresh: ``first`` and ``present`` choose it only then.
@@ -145,7 +148,7 @@ class Sources:
             return self._local.chi(stack, moment.kinematics, moment.references)
         return np.zeros_like(moment.kinematics.state.command)
 
-    def at_rest(self, stack: str) -> Stack:
+    def at_rest(self, stack: Stack) -> Stack:
         """Return the stack that A adopts when it has come to minimum velocity."""
         return self._local.at_rest(stack)
 

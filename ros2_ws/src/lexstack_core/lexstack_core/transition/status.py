@@ -43,6 +43,7 @@ class TransitionState:
         duration: of the blend [s].
         gap: largest |chi - chi_source| over the joints, m/s or rad/s.
         reason: why it is so, where it is not as asked; stays until the next transition.
+        robots: names of the robots that it is about.
     """
 
     id: int
@@ -55,6 +56,7 @@ class TransitionState:
     duration: float
     gap: float
     reason: str
+    robots: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,16 +80,25 @@ class SourceSample:
 
 @dataclass(frozen=True, slots=True)
 class Announcement:
-    """What A tells its source: solve this stack from a tick on, or no longer from a tick on."""
+    """What A tells its source: solve this stack from a tick on, or no longer from a tick on.
+
+    Attributes:
+        id: of the transition.
+        stack: to be solved.
+        start_tick: the first tick to solve it for, or the first one for which no longer.
+        active: which of the two.
+        robots: places in the team of the robots that the stack moves; empty: of all.
+    """
 
     id: int
     stack: str
     start_tick: int
     active: bool
+    robots: tuple[int, ...] = ()
 
 
 class SourceSchedule:
-    """The source's side: which announced stack it solves at a tick."""
+    """The source's side: which announced stacks it solves at a tick."""
 
     def __init__(self) -> None:
         """Start with nothing to solve."""
@@ -102,16 +113,24 @@ class SourceSchedule:
         elif announcement.id in self._active:
             self._ends[announcement.id] = announcement.start_tick
 
-    def current(self, tick: int) -> Announcement | None:
-        """Return the newest stack whose start has come, and forget those that it replaced."""
+    def current(self, tick: int) -> tuple[Announcement, ...]:
+        """Return the stacks to solve for a tick, and forget those that newer ones replace.
+
+        A newer one replaces those whose robots it moves: A goes on with it alone.
+        """
         for id_ in [id_ for id_, end in self._ends.items() if end <= tick]:
             del self._ends[id_], self._active[id_]
         started = [entry for entry in self._active.values() if entry.start_tick <= tick]
-        if not started:
-            return None
-        newest = max(started, key=lambda entry: (entry.start_tick, entry.id))
-        for entry in started:
-            if entry.id != newest.id:
+        started.sort(key=lambda entry: (entry.start_tick, entry.id))
+        for i, entry in enumerate(started):
+            if any(_covers(later, entry) for later in started[i + 1 :]):
                 del self._active[entry.id]
                 self._ends.pop(entry.id, None)
-        return newest
+        return tuple(entry for entry in started if entry.id in self._active)
+
+
+def _covers(later: Announcement, earlier: Announcement) -> bool:
+    """Return whether a stack moves all robots of another one."""
+    if not later.robots:
+        return True
+    return bool(earlier.robots) and set(earlier.robots) <= set(later.robots)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack_core.bounds import JointLimits, approach_speed
+from lexstack_core.bounds import approach_speed
 from lexstack_core.linear import Vector
 
 _ARRIVED = 1e-4  # of the gap: the braking law comes closer by a constant factor a tick
@@ -26,7 +26,7 @@ class Progress:
 
 
 def advanced(
-    progress: Progress, delta: Vector, drift: Vector, limits: JointLimits, dt: float
+    progress: Progress, delta: Vector, drift: Vector, limits: tuple[Vector, Vector], dt: float
 ) -> Progress:
     """Return the progress one tick later, as fast as every joint allows.
 
@@ -41,12 +41,13 @@ def advanced(
         progress: of the tick before.
         delta: the gap that was latched, shape (n,), m/s and rad/s.
         drift: d chi_S/dt, shape (n,), m/s^2 and rad/s^2.
-        limits: of the joints.
+        limits: acceleration and jerk of the joints, shape (n,) each.
         dt: control period [s].
     """
+    acceleration, jerk = limits
     gap = np.maximum(np.abs(delta), 1e-9)
-    fastest = float(np.min(np.maximum(limits.acceleration - np.abs(drift), 0.0) / gap))
-    change = float(np.min(limits.jerk / gap))
+    fastest = float(np.min(np.maximum(acceleration - np.abs(drift), 0.0) / gap))
+    change = float(np.min(jerk / gap))
     if not np.isfinite(change):
         change = 1e9
     room = 1.0 - progress.alpha

@@ -18,7 +18,7 @@ from lexstack_ros.conversions import (
     to_sample,
     transition_status,
 )
-from lexstack_ros.diagnostics import Diagnostics, Health
+from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import STREAM
@@ -44,7 +44,8 @@ class HqpControllerNode(Node):
         self._served = -1
         self._deadline = 0.0
         self._fallbacks = 0
-        self._solve_time = 0.0
+        self._meter = Meter()
+        self._late = 0  # ticks that waited in vain for robot B
         self.failure: AlreadyCommandedError | None = None  # ends the process
         self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
         self._chi.header.frame_id = WORLD
@@ -90,6 +91,7 @@ class HqpControllerNode(Node):
     def _on_look(self) -> None:
         """Serve a state whose source did not answer in time: it counts as lost."""
         if self._state is not None and time.monotonic() >= self._deadline:
+            self._late += 1
             self._serve(wait=False)
 
     def _serve(self, *, wait: bool) -> None:
@@ -105,7 +107,7 @@ class HqpControllerNode(Node):
         for transition in command.transitions:
             self._status_out.publish(transition_status(command, transition, self._status))
         self._served = state.tick
-        self._solve_time = command.solve_time
+        self._meter.add(command.solve_time)
         if command.fallback:
             self._fallbacks += 1
             self.get_logger().warning(command.fallback, throttle_duration_sec=1.0)
@@ -121,11 +123,14 @@ class HqpControllerNode(Node):
     def _health(self) -> Health:
         """Return how the node is."""
         refused = self._states.refused + self._targets.refused
+        complaint, ages = self._states.delays.report()
         return Health(
-            f"{self._fallbacks} ticks without a solution" if self._fallbacks else "",
+            first(complaint, f"{self._fallbacks} ticks failed" if self._fallbacks else ""),
             {
+                **self._meter.report(),
+                **ages,
                 "tick": str(self._served),
-                "solve time [us]": f"{1e6 * self._solve_time:.0f}",
+                "ticks without robot B in time": str(self._late),
                 "fallbacks": str(self._fallbacks),
                 "refused messages": str(refused),
             },

@@ -14,7 +14,7 @@ from lexstack_core.state import RobotState
 from lexstack_core.transition.status import Announcement, SourceSchedule
 from lexstack_interfaces.msg import Chi, StackRequest
 from lexstack_ros.conversions import WORLD, to_announcement, to_array, to_time
-from lexstack_ros.diagnostics import Diagnostics, Health
+from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import LATCHED, STREAM
@@ -34,9 +34,9 @@ class StackSolverNode(Node):
         self._solver = build_stack_solver(self._resolved, self._parts)
         self._schedule = SourceSchedule()
         self._state: RobotState | None = None
-        self._served = (-1, 0)  # tick and transition id of the last chi
+        self._served: tuple[int, set[int]] = (-1, set())  # the last tick, and its transitions' ids
         self._failures = 0
-        self._solve_time = 0.0
+        self._meter = Meter()
         self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
         self._chi.header.frame_id = WORLD
         self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
@@ -54,25 +54,32 @@ class StackSolverNode(Node):
     def _on_request(self, message: StackRequest) -> None:
         """Take robot A's wish, and serve it for the present state if that is due."""
         try:
-            self._schedule.hear(to_announcement(message, self._parts.stacks))
+            self._schedule.hear(to_announcement(message, self._parts.stacks, self._parts.team))
         except InputError as error:
             self._states.refuse(error)
             return
         self._serve()
 
     def _serve(self) -> None:
-        """Send the optimum of the stack that is asked for, once per state and request."""
+        """Send the optimum of each stack that is asked for, once per state and request."""
         state = self._state
-        wanted = None if state is None else self._schedule.current(state.tick)
-        if state is None or wanted is None or self._served == (state.tick, wanted.id):
+        if state is None:
             return
-        self._served = (state.tick, wanted.id)
+        if self._served[0] != state.tick:
+            self._served = (state.tick, set())
+        for wanted in self._schedule.current(state.tick):
+            if wanted.id not in self._served[1]:
+                self._served[1].add(wanted.id)
+                self._send(wanted, state)
+
+    def _send(self, wanted: Announcement, state: RobotState) -> None:
+        """Solve one stack for a state, and send its optimum."""
         begun = perf_counter()
         kinematics = self._parts.team.kinematics(state)
         references = self._targets.schedule.at(state.stamp)
         solution = self._solver.solve(wanted.stack, kinematics, references)
         bounds = self._solver.bounds(wanted.stack, kinematics)
-        self._solve_time = perf_counter() - begun
+        solve_time = perf_counter() - begun
         chi = self._chi
         _head(chi, state, wanted)
         chi.chi = to_array(solution.chi)
@@ -82,7 +89,8 @@ class StackSolverNode(Node):
         chi.status = Chi.SOLVED if usable else Chi.FAILED
         chi.reason = solution.reason
         chi.empty_bounds = bounds.empty
-        chi.solve_time = self._solve_time
+        chi.solve_time = solve_time
+        self._meter.add(solve_time)
         self._chi_out.publish(chi)
         if not usable:
             self._failures += 1
@@ -94,15 +102,17 @@ class StackSolverNode(Node):
         self._targets.schedule = build_references(self._resolved, self._parts.team)
         self._schedule = SourceSchedule()
         self._state = None
-        self._served = (-1, 0)
+        self._served = (-1, set())
 
     def _health(self) -> Health:
         """Return how the node is."""
+        complaint, ages = self._states.delays.report()
         return Health(
-            f"{self._failures} ticks without a solution" if self._failures else "",
+            first(complaint, f"{self._failures} ticks failed" if self._failures else ""),
             {
+                **self._meter.report(),
+                **ages,
                 "tick": str(self._served[0]),
-                "solve time [us]": f"{1e6 * self._solve_time:.0f}",
                 "failures": str(self._failures),
                 "refused messages": str(self._states.refused + self._targets.refused),
             },

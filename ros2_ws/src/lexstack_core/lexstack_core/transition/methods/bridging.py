@@ -9,4 +9,5 @@ from lexstack_core.transition.methods.view import View
 
 def bridge(view: View, latched: Bridge, alpha: float) -> HqpProblem:
     """Return level 1 and the way to the source, both with their latched gap fading out."""
-    return HqpProblem(bridged(latched, view.first, view.source, alpha), view.bounds)
+    first, target = bridged(latched, view.first, view.source, alpha)
+    return HqpProblem((first, view.part.follow(target)), view.bounds)

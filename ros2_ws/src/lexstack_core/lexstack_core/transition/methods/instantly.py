@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from lexstack_core.hqp import HqpProblem
-from lexstack_core.transition.bridge import Bridge, follow_chi
+from lexstack_core.transition.bridge import Bridge
 from lexstack_core.transition.methods.view import View
 
 
 def instant(view: View, _latched: Bridge, _alpha: float) -> HqpProblem:
     """Return the source's optimum as it is, without acceleration limits."""
-    return HqpProblem(((follow_chi(view.source),),), view.free())
+    return HqpProblem((view.part.follow(view.source),), view.free())
 
 
 def instant_limited(view: View, _latched: Bridge, _alpha: float) -> HqpProblem:

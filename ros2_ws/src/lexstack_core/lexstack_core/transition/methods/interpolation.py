@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lexstack_core.hqp import HqpProblem
-from lexstack_core.transition.bridge import Bridge, follow_chi
+from lexstack_core.transition.bridge import Bridge
 from lexstack_core.transition.methods.view import View
 
 
@@ -14,4 +14,5 @@ def interpolation(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     optimum of anything in between; on pre-emption it starts from the old stack again.
     """
     old = view.solve(HqpProblem(view.old(), view.free()))
-    return HqpProblem(((follow_chi((1.0 - alpha) * old + alpha * view.source),),), view.bounds)
+    mean = (1.0 - alpha) * old + alpha * view.source
+    return HqpProblem((view.part.follow(mean),), view.bounds)

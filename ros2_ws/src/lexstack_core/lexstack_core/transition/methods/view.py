@@ -9,6 +9,7 @@ from lexstack_core.bounds import Bounds
 from lexstack_core.hqp import HqpProblem
 from lexstack_core.linear import LinearTask, Vector
 from lexstack_core.transition.bridge import Bridge
+from lexstack_core.transition.part import Part
 
 Levels = tuple[tuple[LinearTask, ...], ...]
 
@@ -18,6 +19,7 @@ class View:
     """One tick of a blend. What only some methods need is a function, called by those alone.
 
     Attributes:
+        part: the robots that are on their way; all levels below are theirs.
         first: level 1 of the new stack.
         source: chi_S, the source's optimum of the new stack, shape (n,).
         bounds: A's own box, with the acceleration limits.
@@ -28,6 +30,7 @@ class View:
         solve: the optimum of a further problem, shape (n,).
     """
 
+    part: Part
     first: tuple[LinearTask, ...]
     source: Vector
     bounds: Bounds

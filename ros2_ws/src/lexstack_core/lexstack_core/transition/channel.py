@@ -1,0 +1,191 @@
+"""Some robots that are on one stack, or on their way to one: a value, advanced once a tick."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lexstack_core.hqp import HqpProblem
+from lexstack_core.linear import LinearTask, Vector
+from lexstack_core.references import References
+from lexstack_core.stack import Stack, joined
+from lexstack_core.transition.blend import Blend
+from lexstack_core.transition.bridge import goes_on
+from lexstack_core.transition.carry import Carry
+from lexstack_core.transition.methods import BRIDGES
+from lexstack_core.transition.part import Part
+from lexstack_core.transition.past import Past
+from lexstack_core.transition.plan import Means, Plan
+from lexstack_core.transition.sources import Moment, Sources
+from lexstack_core.transition.status import Source
+
+_SAME = 1e-3  # of what a joint's acceleration limit allows in one tick: no difference that is felt
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Channel:
+    """Robots with one alpha; every robot is on one channel.
+
+    Attributes:
+        part: the robots.
+        adopted: the stacks that they adopted last; one, but in a blend that brought them together.
+        id: of the last transition, 0 before the first.
+        origin: name of the stack that they came from.
+        used: the references of the tick before.
+        blend: under way, None when they serve their stack.
+        reason: why it is so, where it is not as asked.
+        aborted: why the last transition was given up, to be told once.
+    """
+
+    part: Part
+    adopted: tuple[Stack, ...]
+    origin: str
+    id: int = 0
+    used: References | None = None
+    blend: Blend | None = None
+    reason: str = ""
+    aborted: str = ""
+
+    @property
+    def target(self) -> Stack:
+        """The stack in effect; during a blend the one that they go to."""
+        return joined(self.adopted) if self.blend is None else self.blend.way.target
+
+    @property
+    def method(self) -> str:
+        """The method of the transition under way, '' without one."""
+        return "" if self.blend is None else self.blend.request.method
+
+    def of(self, part: Part) -> Channel:
+        """Return the channel of some of its robots; whatever is under way goes on."""
+        if part.robots == self.part.robots:
+            return self
+        mine = [
+            stack.of(tuple(robot for robot in stack.robots or () if robot in part.robots))
+            for stack in self.adopted
+        ]
+        adopted = tuple(stack for stack in mine if stack.robots)
+        blend = None if self.blend is None else self.blend.of(part)
+        return replace(self, part=part, adopted=adopted, blend=blend)
+
+    # ---- the tick
+
+    def step(
+        self, moment: Moment, means: Means, sources: Sources, *, adopts: bool
+    ) -> tuple[Channel, Plan]:
+        """Return what A solves for these robots at this tick, and the channel after it."""
+        if self.blend is None:
+            levels = self.target.linearise(moment.kinematics, moment.references)
+            plan = Plan(HqpProblem(levels, means.bounds), None, 1.0)
+            used = moment.references
+            return (self if self.used is used else replace(self, used=used)), plan
+        return self._go_on(self.blend, moment, means, sources, adopts=adopts)
+
+    def _go_on(
+        self, blend: Blend, moment: Moment, means: Means, sources: Sources, *, adopts: bool
+    ) -> tuple[Channel, Plan]:
+        """Return what A solves in a blend; latch anew where the source or level 1 changed."""
+        request, target, source, reason = blend.request, blend.way.target, blend.source, self.reason
+        level = target.levels[0].linearise(moment.kinematics, moment.references)
+        if not blend.takes_over:
+            # A part of a stack cannot be compared with what B says of the whole.
+            known = level if blend.way.whole else ()
+            source, why = sources.present(source, request.id, moment.tick, known)
+            reason = why or reason
+        chi = sources.chi(source, request.id, target, moment)
+        if source is not blend.source or blend.level_jumps(level, moment, means):
+            past = past_of((self,), level, request.duration, moment, means)
+            over = blend.takes_over
+            blend = Blend.latched(blend.way, (source, chi), level, past, moment)
+            blend = replace(blend, takes_over=over)
+        blend = blend.advanced(chi, moment.tick, means)
+        at_end = adopts and source is Source.ROBOT_B and blend.progress.alpha >= 1.0
+        if at_end and request.method in BRIDGES:
+            own = sources.chi(Source.LOCAL, request.id, target, moment)
+            blend, why = _at_end(blend, own, moment.tick, means)
+            reason = why or reason
+        elif adopts and blend.end is None and not blend.takes_over:
+            ahead = blend.advanced(chi, moment.tick + 1, means)
+            # Known one tick ahead, so that the source never solves for nothing.
+            end = moment.tick + 2 if ahead.progress.alpha >= 1.0 else None
+            blend = blend if end is None else replace(blend, end=end)
+        plan = Plan(blend.problem(level, moment, means), blend.source_chi, blend.progress.alpha)
+        return replace(self, blend=blend, reason=reason, used=moment.references), plan
+
+    def finished(self, plan: Plan, sources: Sources, *, adopts: bool) -> Channel:
+        """Return the channel after the tick: at the end it has adopted the stack."""
+        blend = self.blend
+        if blend is None or plan.alpha < 1.0 or not adopts:
+            return replace(self, aborted="") if self.aborted else self
+        target, aborted = blend.way.target, ""
+        if blend.source is Source.MINIMUM_VELOCITY:
+            target, aborted = sources.at_rest(target), f"{self.reason}; at rest"
+        return replace(self, adopted=(target,), blend=None, aborted=aborted)
+
+
+def past_of(
+    channels: Sequence[Channel],
+    level: tuple[LinearTask, ...],
+    duration: float,
+    moment: Moment,
+    means: Means,
+) -> Past:
+    """Return it for robots that were on one channel or on several.
+
+    A stack that A serves alone gives its optimum of this tick: the motion then goes on as it
+    was, where the last command would stand still for a tick. In a blend the command goes on by
+    what the blend would have moved it.
+
+    Args:
+        channels: that the robots were on; no others are on them.
+        level: level 1 of the stack that A goes to, at this tick.
+        duration: of the blend to come [s].
+        moment: this tick.
+        means: what the controller lends.
+    """
+    kinematics = moment.kinematics
+    old = tuple(
+        task
+        for channel in channels
+        for task in channel.target.levels[0].linearise(kinematics, moment.before)
+    )
+    same = goes_on(level, old, means.reach)
+    references = moment.references if same else moment.before
+    start = kinematics.state.command.copy()
+    carry: Carry | None = None
+    for channel in channels:
+        columns = channel.part.columns
+        if channel.blend is None:
+            levels = channel.target.linearise(kinematics, references)
+            chi = means.solve(HqpProblem(levels, means.bounds))
+            start[columns] = chi[columns]
+            continue
+        same = same and channel.blend.bridge.epsilon is None
+        step, left = channel.blend.left(moment.tick, duration, means)
+        start[columns] += step[columns]
+        if left is not None:
+            carry = carry or Carry.none(start.size, duration)
+            carry = carry.with_part(columns, left)
+    return Past(start, same, carry)
+
+
+def _at_end(blend: Blend, own: Vector, tick: int, means: Means) -> tuple[Blend, str]:
+    """Return how A goes on at the end, and why if not as it is: where its own optimum is not B's.
+
+    Args:
+        blend: whose alpha is 1.
+        own: A's own optimum of this tick, shape (n,).
+        tick: this one.
+        means: what the controller lends.
+    """
+    mine = blend.way.part.columns
+    apart = np.abs(own - blend.source_chi)[mine]
+    if (apart <= _SAME * means.limits.acceleration[mine] * means.dt).all():
+        return blend, ""
+    why = (
+        f"robot B's chi at tick {tick} is {apart.max():.2g} off robot A's own: "
+        "robot A blends on to its own"
+    )
+    return blend.taken_over(own, tick), why

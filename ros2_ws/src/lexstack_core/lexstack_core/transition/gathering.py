@@ -1,0 +1,81 @@
+"""Channels that become one: by a request for robots of several, or on the same stack again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+from lexstack_core.linear import Vector
+from lexstack_core.stack import Stack, joined
+from lexstack_core.transition.blend import Blend, Way
+from lexstack_core.transition.channel import Channel, past_of
+from lexstack_core.transition.part import Part
+from lexstack_core.transition.plan import Means
+from lexstack_core.transition.request import SwitchRequest
+from lexstack_core.transition.sources import Moment
+from lexstack_core.transition.status import Source
+
+
+def begun(
+    channels: Sequence[Channel],
+    request: SwitchRequest,
+    goal: tuple[Part, Stack, bool],
+    source: tuple[Source, Vector, str],
+    moment: Moment,
+    means: Means,
+) -> Channel:
+    """Return the channel that a request makes of robots that were on others until now.
+
+    Args:
+        channels: that they were on, without any other robots.
+        request: whose tick has come.
+        goal: the robots, the stack that they go to, and whether they are all that it moves.
+        source: whom to follow, its chi of this tick, shape (n,), and why it is not B.
+        moment: this tick.
+        means: what the controller lends.
+    """
+    part, target, whole = goal
+    level = target.levels[0].linearise(moment.kinematics, moment.references)
+    past = past_of(channels, level, request.duration, moment, means)
+    way = Way(request, part, joined([channel.target for channel in channels]), target, whole)
+    blend = Blend.latched(way, source[:2], level, past, moment)
+    gone = dict.fromkeys(c.blend.request.id for c in channels if c.blend is not None)
+    reason = request.reason
+    if gone and not reason:
+        reason = f"pre-empted transition {', '.join(map(str, gone))}"
+    adopted = tuple(stack for channel in channels for stack in channel.adopted)
+    return Channel(
+        part,
+        adopted,
+        " + ".join(dict.fromkeys(stack.name for stack in adopted)),
+        request.id,
+        moment.references,
+        blend,
+        "; ".join(word for word in (reason, source[2]) if word),
+        next((channel.aborted for channel in channels if channel.aborted), ""),
+    )
+
+
+def together(
+    channels: Sequence[Channel], part_of: Callable[[Iterable[int]], Part]
+) -> tuple[Channel, ...]:
+    """Return the channels with those made one that serve the same stack alone.
+
+    Args:
+        channels: in the order of their robots.
+        part_of: makes the part of some robots.
+    """
+    idle: dict[tuple[str, int], list[Channel]] = {}
+    for channel in channels:
+        if channel.blend is None and not channel.aborted:
+            idle.setdefault((channel.target.name, id(channel.used)), []).append(channel)
+    groups = [group for group in idle.values() if len(group) > 1]
+    if not groups:
+        return tuple(channels)
+    kept = [each for each in channels if not any(each in group for group in groups)]
+    for group in groups:
+        newest = max(group, key=lambda each: each.id)
+        part = part_of(robot for each in group for robot in each.part.robots)
+        stack = joined([each.target for each in group])
+        kept.append(replace(newest, part=part, adopted=(stack,)))
+    return tuple(sorted(kept, key=lambda each: each.part.robots))

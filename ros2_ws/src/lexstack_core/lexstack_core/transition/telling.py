@@ -1,0 +1,68 @@
+"""What A tells of the robots of one channel, in the words of the message."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lexstack_core.linear import Vector
+from lexstack_core.transition.channel import Channel
+from lexstack_core.transition.plan import Plan
+from lexstack_core.transition.request import SwitchRequest
+from lexstack_core.transition.status import Phase, Source, TransitionState
+
+
+def told(
+    channel: Channel,
+    plan: Plan,
+    chi: Vector,
+    coming: tuple[SwitchRequest, Phase] | None,
+    *,
+    adopts: bool,
+) -> TransitionState:
+    """Return the state of a channel at a tick.
+
+    Args:
+        channel: before it adopts.
+        plan: of this tick.
+        chi: that was solved, shape (n,).
+        coming: a request that will take its robots, and whether it is requested or preparing.
+        adopts: whether A takes a stack over at the end.
+    """
+    blend, names = channel.blend, channel.part.names
+    if blend is None:
+        id_, stack, phase, part = channel.id, channel.target.name, Phase.IDLE, plan.alpha
+        if channel.aborted:
+            phase = Phase.ABORTED
+        elif coming is not None:
+            request, phase = coming
+            id_, stack, part = request.id, request.stack, 0.0
+        return TransitionState(
+            id_,
+            channel.origin,
+            stack,
+            Source.NONE,
+            "",
+            phase,
+            part,
+            0.0,
+            0.0,
+            channel.aborted or channel.reason,
+            names,
+        )
+    mine = channel.part.columns
+    gap = 0.0 if plan.source is None else float(np.abs(chi[mine] - plan.source[mine]).max())
+    at_end = plan.alpha >= 1.0 and adopts
+    phase = Phase.ADOPTING if at_end else Phase.BLENDING
+    return TransitionState(
+        channel.id,
+        channel.origin,
+        blend.way.target.name,
+        blend.source,
+        blend.request.method,
+        Phase.ABORTED if channel.aborted else phase,
+        plan.alpha,
+        blend.request.duration,
+        gap,
+        channel.aborted or channel.reason,
+        names,
+    )
