@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -21,6 +22,35 @@ class Health:
 
     message: str = ""
     values: dict[str, str] = field(default_factory=dict)
+
+
+class Meter:
+    """How often a node does its work, and how long it takes, since the last report."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        """Begin now; ``clock`` is monotonic [s]."""
+        self._clock = clock
+        self._since = clock()
+        self._times: list[float] = []
+
+    def add(self, seconds: float) -> None:
+        """Take note of one piece of work that took so long [s]."""
+        self._times.append(seconds)
+
+    def report(self) -> dict[str, str]:
+        """Return rate, median and longest time since the last report, and begin anew."""
+        now, times = self._clock(), sorted(self._times)
+        span, self._since, self._times = now - self._since, now, []
+        values = {"rate [Hz]": f"{len(times) / span:.1f}" if span > 0.0 else "0.0"}
+        if times:
+            values["solve time, median [us]"] = f"{1e6 * times[len(times) // 2]:.0f}"
+            values["solve time, longest [us]"] = f"{1e6 * times[-1]:.0f}"
+        return values
+
+
+def first(*complaints: str) -> str:
+    """Return the first complaint that is one, or '': one line is shown, the worst first."""
+    return next((complaint for complaint in complaints if complaint), "")
 
 
 class Diagnostics:

@@ -62,13 +62,18 @@ class PlantStates:
         self.refused += 1
         self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
 
+    def _hear(self, message: PlantState, info: dict[str, int]) -> None:
+        """Take note of a message that is the plant's."""
+        self._sender.follow(message.sender)
+        self.delays.add(info)
+
     def _take(self, message: PlantState, info: dict[str, int]) -> None:
         """Hand on a state that is new; a paused plant repeats its last one."""
         self._readiness.hears_plant = True
         try:
             self._sender.check(message.sender)
             if message.status == PlantState.PAUSED:
-                self._sender.follow(message.sender)
+                self._hear(message, info)
                 return
             state = to_state(message, self._team)
             if not self._order.is_new(message.sender, message.resets, state.tick):
@@ -76,8 +81,7 @@ class PlantStates:
         except InputError as error:
             self.refuse(error)
             return
-        self._sender.follow(message.sender)
-        self.delays.add(info)
+        self._hear(message, info)
         if self._order.begins_anew:
             self._node.get_logger().info("the plant was reset: starting anew")
             self._on_reset()

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+_SILENT = 2.5  # s of wall time: a bridge in lockstep may wait for a command for 2 s
 _TOLERATED = 0.01  # s: a delay beyond what a local network needs is a clock that is off
 
 
@@ -38,8 +39,10 @@ class Delays:
     def report(self) -> tuple[str, dict[str, str]]:
         """Return a complaint (or '') and the figures since the last report."""
         smallest, self._smallest = self._smallest, None
-        age = "never" if self._heard is None else f"{1e3 * (self._clock() - self._heard):.0f}"
-        values = {f"age of the last {self._where} [ms]": age}
+        age = float("inf") if self._heard is None else self._clock() - self._heard
+        values = {f"age of the last {self._where} [ms]": f"{1e3 * age:.0f}"}
+        if age > _SILENT:
+            return f"{self._where} is silent", values
         if smallest is None:
             return "", values
         values[f"least delay of {self._where} [ms]"] = f"{1e3 * smallest:.1f}"
