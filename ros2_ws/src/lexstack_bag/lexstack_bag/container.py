@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from heapq import heappop, heappush
 from io import BytesIO
 from pathlib import Path
 
@@ -60,6 +61,7 @@ class Container:
     Attributes:
         metadata: content of the Metadata records seen so far, by name; the last of a name counts.
         complete: False once a file turned out to end before its end, as after a kill.
+        topics: type and metadata of each topic seen so far, by name.
     """
 
     def __init__(self, files: list[Path]) -> None:
@@ -67,6 +69,7 @@ class Container:
         self.files = files
         self.metadata: dict[str, dict[str, str]] = {}
         self.complete = True
+        self.topics: dict[str, tuple[str, dict[str, str]]] = {}
 
     def first_metadata(self, name: str) -> dict[str, str]:
         """Return the content of the first Metadata record of a name; empty: there is none.
@@ -88,7 +91,7 @@ class Container:
             raise BagError(f"{error.filename}: cannot be read: {error.strerror}") from error
         before, whole = 0, max(sum(sizes), 1)
         for path, size in zip(self.files, sizes, strict=True):
-            names = _Names()
+            names = _Names(self.topics)
             for record, offset in self._records(path):
                 if isinstance(record, Chunk):
                     yield from _contents(record, names, path)
@@ -102,10 +105,8 @@ class Container:
 
     def _keep(self, record: McapRecord, names: _Names) -> None:
         """Take note of what messages need, and of what the bag says about itself."""
-        if isinstance(record, Schema):
-            names.schemas[record.id] = record
-        elif isinstance(record, Channel):
-            names.channels[record.id] = record
+        if isinstance(record, Schema | Channel):
+            names.learn(record)
         elif isinstance(record, Metadata):
             self.metadata[record.name] = record.metadata
 
@@ -127,12 +128,36 @@ class Container:
             raise BagError(f"{path}: not a readable MCAP file: {error}") from error
 
 
+def by_log_time(messages: Iterable[RawMessage], window: float = 2.0) -> Iterator[RawMessage]:
+    """Yield messages in the order of their log times.
+
+    A recorder takes what waits on one topic, then on the next: in the file messages of different
+    topics may have changed places, by far less than ``window`` [s].
+    """
+    waiting: list[tuple[int, int, RawMessage]] = []
+    for number, message in enumerate(messages):
+        heappush(waiting, (message.log_time, number, message))
+        while message.log_time - waiting[0][0] > 1e9 * window:
+            yield heappop(waiting)[2]
+    while waiting:
+        yield heappop(waiting)[2]
+
+
 @dataclass(slots=True)
 class _Names:
     """The definitions of one file so far, by the ids that its messages bear."""
 
+    topics: dict[str, tuple[str, dict[str, str]]]  # type and metadata, of all files
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
+
+    def learn(self, record: Schema | Channel) -> None:
+        """Take a definition."""
+        if isinstance(record, Schema):
+            self.schemas[record.id] = record
+        else:
+            self.channels[record.id] = record
+            self.topics[record.topic] = self.schemas[record.schema_id].name, record.metadata
 
     def of(self, channel: int) -> tuple[str, Schema]:
         """Return a channel's topic and schema."""
@@ -164,11 +189,9 @@ def _contents(chunk: Chunk, names: _Names, path: Path) -> Iterator[RawMessage]:
                 content = data[place + _MESSAGE.size : place + length]
                 yield RawMessage(*known[channel], content, received, sent, sequence)
             elif opcode == Opcode.SCHEMA:
-                schema = Schema.read(_stream(data[place : place + length]))
-                names.schemas[schema.id] = schema
+                names.learn(Schema.read(_stream(data[place : place + length])))
             elif opcode == Opcode.CHANNEL:
-                entry = Channel.read(_stream(data[place : place + length]))
-                names.channels[entry.id] = entry
+                names.learn(Channel.read(_stream(data[place : place + length])))
             place += length
     except (McapError, ValueError, KeyError, struct.error, ZstdError, EndOfFile) as error:
         raise BagError(f"{path}: not a readable MCAP file: {error}") from error

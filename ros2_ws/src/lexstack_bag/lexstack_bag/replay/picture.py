@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lexstack_bag.replay.outcome import Outcome
+from lexstack_core.linear import Vector
 
 mpl.use("Agg")
 
@@ -46,7 +47,14 @@ def _draw(outcome: Outcome, unit: str, above: Axes, below: Axes) -> None:
     apart = np.abs(outcome.replayed - outcome.recorded)[:, mine]
     known = np.where(np.isfinite(apart), apart, 0.0)
     worst = int(mine[known.max(axis=0).argmax()])
-    above.plot(outcome.stamp, known.max(axis=1), color=_REPLAYED, linewidth=1.0)
+    gaps = np.flatnonzero(np.diff(outcome.tick) > 1) + 1
+    stamp = np.insert(outcome.stamp, gaps, np.nan)  # a line shall not lead across a gap
+
+    def line(axes: Axes, values: Vector, color: str, style: str, label: str) -> None:
+        broken = np.insert(values, gaps, np.nan)
+        axes.plot(stamp, broken, color=color, linestyle=style, linewidth=1.0, label=label)
+
+    line(above, known.max(axis=1), _REPLAYED, "-", "")
     above.set_ylabel(f"largest |Δχ| [{unit}]")
     above.set_title(f"{outcome.node}: difference from the recorded χ", fontsize=9, loc="left")
     first = outcome.first
@@ -54,17 +62,8 @@ def _draw(outcome: Outcome, unit: str, above: Axes, below: Axes) -> None:
         at = float(outcome.stamp[outcome.tick == first][0])
         above.axvline(at, color="#0072B2", linestyle=":", label=f"first different: tick {first}")
         above.legend(fontsize=8, loc="upper right")
-    below.plot(
-        outcome.stamp, outcome.recorded[:, worst], color=_RECORDED, linewidth=1.0, label="recorded"
-    )
-    below.plot(
-        outcome.stamp,
-        outcome.replayed[:, worst],
-        color=_REPLAYED,
-        linewidth=1.0,
-        linestyle="--",
-        label="replayed",
-    )
+    line(below, outcome.recorded[:, worst], _RECORDED, "-", "recorded")
+    line(below, outcome.replayed[:, worst], _REPLAYED, "--", "replayed")
     below.set_ylabel(f"χ [{unit}]")
     below.set_title(f"{outcome.node}: {outcome.joints[worst].name}", fontsize=9, loc="left")
     below.legend(fontsize=8, loc="upper right")

@@ -1,18 +1,23 @@
 """What users asked of robot A, as the bag shows it: which switch, when, and what was cancelled.
 
-A tells its source of every request that it accepted, and its status tells duration and method.
+A tells its source of every request that it accepted; its status tells duration and method, and
+what was cancelled.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lexstack_bag.measures import COMMANDER
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.run import Run, StackRequested, TransitionPhase
 from lexstack_core.config.resolved import ResolvedScenario
+
+_CANCELLED, _GOING_BACK = "cancelled", "going back"
+"""What robot A says in the reason of its status, see Transition.cancel."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +61,7 @@ def requests_of(run: Run, changes: Changes, resolved: ResolvedScenario) -> list[
     """
     begun = _beginnings(run)
     old, new = changes.stacks(resolved)
-    requests = list(_reconstructed(run.requested, {id_: tick for id_, (tick, *_) in begun.items()}))
+    requests = list(_reconstructed(run, begun))
     configured = run.resolved.scenario.transition
     for place, request in enumerate(requests):
         if isinstance(request, Cancel):
@@ -84,23 +89,50 @@ def _beginnings(run: Run) -> dict[int, tuple[int, float, str]]:
     return found
 
 
-def _reconstructed(
-    messages: Iterable[StackRequested], begun: dict[int, int]
-) -> Iterator[Ask | Cancel]:
-    """Yield what was asked, from what A told its source.
+def _reconstructed(run: Run, begun: Collection[int]) -> Iterator[Ask | Cancel]:
+    """Yield what was asked, gap by gap between two ticks of A; ``begun``: ids that did.
 
-    The first active message of an id is the request. A request that has not begun is taken back
-    by a cancellation alone, which takes back all of them; one that goes back smoothly is a request
-    like any other.
+    The first active message of an id is the request. A cancellation drops what has not begun, and
+    asks by itself to go back: those requests are not the user's.
     """
+    cancelled, own = _cancelled_after(run), _going_back(run)
+    gaps: dict[int, list[StackRequested]] = {after: [] for after in cancelled}
+    for message in run.requested:
+        gaps.setdefault(message.after, []).append(message)
     known: set[int] = set()
-    coming: set[int] = set()
-    for message in messages:
-        coming = {id_ for id_ in coming if not 0 <= begun.get(id_, -1) <= message.after}
-        if message.active and message.id not in known:
+    for after, messages in sorted(gaps.items()):
+        asks = []
+        for message in messages:
+            if message.active and message.id not in known | own:
+                asks.append(Ask(after, message.id, message.stack, message.start_tick, 0.0, ""))
             known.add(message.id)
-            coming.add(message.id)
-            yield Ask(message.after, message.id, message.stack, message.start_tick, 0.0, "")
-        elif not message.active and message.id in coming and not message.start_tick:
-            coming.clear()
-            yield Cancel(message.after)
+        if after not in cancelled:
+            yield from asks
+            continue
+        ended = {message.id for message in messages if not message.active} - set(begun)
+        yield from (ask for ask in asks if ask.id in ended)
+        yield Cancel(after)
+        yield from (ask for ask in asks if ask.id not in ended)
+
+
+def _cancelled_after(run: Run) -> set[int]:
+    """Return the ticks after which robot A was told to cancel; -1: before the first."""
+    status = run.transition
+    told = [
+        int(tick)
+        for tick, phase, reason in zip(status.tick, status.phase, status.reason, strict=True)
+        if phase == TransitionPhase.ABORTED and _CANCELLED in str(reason)
+    ]
+    served = run.chi[COMMANDER].tick
+    before = np.searchsorted(served, told) - 1
+    return {int(served[place]) if place >= 0 else -1 for place in before}
+
+
+def _going_back(run: Run) -> set[int]:
+    """Return the ids of the requests that a cancellation made by itself."""
+    status = run.transition
+    return {
+        int(id_)
+        for id_, reason in zip(status.id, status.reason, strict=True)
+        if _GOING_BACK in str(reason)
+    }

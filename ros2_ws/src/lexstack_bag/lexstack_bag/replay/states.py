@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Generic, TypeVar
+from dataclasses import fields
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from lexstack_core.references import Target as ScheduledTarget
 from lexstack_core.state import RobotState
 
 T = TypeVar("T")
+
+EVER = 2**63 - 1  # ns
 
 
 class States:
@@ -45,15 +48,34 @@ class States:
         )
 
 
-def begun_at(chi: ChiStream) -> dict[int, int]:
-    """Return by tick when a node began to solve [ns since 1970]: it knew what came before.
+def begun_at(chi: ChiStream) -> Integers:
+    """Return when a node began to solve each row [ns since 1970]: it knew what came before.
 
     A node sends its chi right after the solve, whose time it tells.
     """
     if len(chi.sent) != len(chi.tick):
-        return {}
-    begun: Integers = chi.sent - np.round(1e9 * np.nan_to_num(chi.solve_time)).astype(np.int64)
-    return dict(zip(chi.tick.tolist(), begun.tolist(), strict=True))
+        return np.full(len(chi.tick), EVER)
+    return np.asarray(chi.sent - np.round(1e9 * np.nan_to_num(chi.solve_time)).astype(np.int64))
+
+
+def all_of(run: Run, node: str) -> ChiStream:
+    """Return every chi of a node in the order of sending, several of a tick where it sent them."""
+    one, other = run.chi[node], run.replaced.get(node)
+    if other is None or not len(other.tick):
+        return one
+    order = np.argsort(np.concatenate([one.sent, other.sent]), kind="stable")
+
+    def joined(name: str) -> Any:
+        parts = [getattr(one, name), getattr(other, name)]
+        if name == "slacks":
+            longest = max(part.shape[1] for part in parts)
+            parts = [
+                np.pad(part, ((0, 0), (0, longest - part.shape[1])), constant_values=np.nan)
+                for part in parts
+            ]
+        return np.concatenate(parts)[order]
+
+    return ChiStream(**{field.name: joined(field.name) for field in fields(ChiStream)})
 
 
 class Arrivals(Generic[T]):

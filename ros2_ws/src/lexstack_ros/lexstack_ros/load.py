@@ -1,0 +1,121 @@
+"""A load for ``./scripts/bench recorder``: publishes at a rate, or records as plainly as can be.
+
+``python -m lexstack_ros.load publish --rate 10000 --bytes 500 --seconds 5 --topics 1``
+``python -m lexstack_ros.load record FILE``
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import signal
+import struct
+import sys
+import time
+from pathlib import Path
+
+import rclpy
+from mcap.writer import Writer
+from rclpy.duration import Duration
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.serialization import serialize_message
+from rclpy.signals import SignalHandlerOptions
+from std_msgs.msg import String
+
+_DEPTH = 2000
+_HEAD = 8  # bytes: CDR's encapsulation and the text's length
+_PATIENCE = 20.0  # s of wall time for a listener
+_TICK = 0.002  # s between two batches of messages
+
+
+def topic(number: int) -> str:
+    """Return the name of a topic of the load."""
+    return f"/load_{number}"
+
+
+def publish(rate: float, size: int, seconds: float, topics: int) -> dict[str, float]:
+    """Publish messages of ``size`` bytes, evenly in time and over the topics, once all are heard.
+
+    Returns:
+        How many were sent, and in what time [s].
+    """
+    node = rclpy.create_node("load")
+    qos = QoSProfile(depth=_DEPTH)
+    publishers = [node.create_publisher(String, topic(i), qos) for i in range(topics)]
+    end = time.monotonic() + _PATIENCE
+    while not all(publisher.get_subscription_count() for publisher in publishers):
+        if time.monotonic() > end:
+            sys.exit("nobody listens")
+        time.sleep(0.02)
+    time.sleep(0.5)  # matching is mutual
+    total = round(rate * seconds)
+    text = "x" * (size - _HEAD - 1)
+    begun, sent = time.monotonic(), 0
+    while sent < total:
+        due = min(total, int((time.monotonic() - begun) * rate) + 1)
+        for number in range(sent, due):
+            data = struct.pack("<BBHI", 0, 1, 0, len(text) + 1) + text.encode() + b"\0"
+            publishers[number % topics].publish(data)
+        sent = due
+        time.sleep(_TICK)
+    spent = time.monotonic() - begun
+    for publisher in publishers:
+        publisher.wait_for_all_acked(Duration(seconds=5.0))
+    assert len(data) == size
+    node.destroy_node()
+    return {"sent": total, "seconds": spent}
+
+
+def record(path: Path) -> None:
+    """Record /load_0 as a first attempt would: message by message, decoded, no numbers."""
+    flag = [False]
+
+    def stop(_number: int, _frame: object) -> None:
+        flag[0] = True
+
+    signal.signal(signal.SIGINT, stop)
+    node = Node("plain_recorder")
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2", "plain")
+        schema = writer.register_schema("std_msgs/msg/String", "ros2msg", b"string data\n")
+        channel = writer.register_channel(topic(0), "cdr", schema)
+
+        def write(message: String) -> None:
+            now = time.time_ns()
+            writer.add_message(channel, now, serialize_message(message), now)
+
+        node.create_subscription(String, topic(0), write, QoSProfile(depth=_DEPTH))
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        print("ready", flush=True)
+        while not flag[0]:
+            executor.spin_once(timeout_sec=0.2)
+        writer.finish()
+
+
+def main() -> int:
+    """Run the command."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    load = commands.add_parser("publish")
+    load.add_argument("--rate", type=float, default=10_000.0, help="messages per second")
+    load.add_argument("--bytes", type=int, default=500, help="of each message, in CDR")
+    load.add_argument("--seconds", type=float, default=5.0)
+    load.add_argument("--topics", type=int, default=1)
+    commands.add_parser("record").add_argument("file", type=Path)
+    options = parser.parse_args()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    if options.command == "record":
+        record(options.file)
+    else:
+        sent = publish(options.rate, options.bytes, options.seconds, options.topics)
+        print(json.dumps(sent), flush=True)
+    rclpy.try_shutdown()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
