@@ -13,7 +13,7 @@ setup(
     maintainer_email="lexstack@users.noreply.github.com",
     python_requires=">=3.11",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed"]},
+    package_data={PACKAGE: ["py.typed", "view/assets/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
@@ -28,6 +28,7 @@ setup(
             "hqp_controller = lexstack_ros.nodes.hqp_controller:main",
             "stack_solver = lexstack_ros.nodes.stack_solver:main",
             "recorder = lexstack_ros.nodes.recorder:main",
+            "view = lexstack_ros.view.node:main",
         ],
     },
     zip_safe=False,

@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -23,7 +24,9 @@ from lexstack_core.errors import ConfigurationError, LexstackError
 from lexstack_ros.bringup import bring_up
 from lexstack_ros.domain import own_domain
 from lexstack_ros.player import PLAYER, Player
+from lexstack_ros.recording_options import add_recording_arguments, recorder_parameters
 from lexstack_ros.supervisor import Supervisor
+from lexstack_ros.view.start import start_page
 
 _DEFAULT = "transition-sequence"
 _SLOWEST = 30.0  # wall seconds per simulated second after which a run counts as stuck
@@ -42,12 +45,13 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         options = _parser(root).parse_args(arguments)
         resolved = resolve_scenario(root, options)
+        recording = recorder_parameters(options)
         out = run_folder(root, options.out, resolved.scenario.name)
     except ConfigurationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     try:
-        return _run(resolved, out)
+        return _run(resolved, out, recording, view=options.view)
     except LexstackError as error:
         print(f"\nerror: {error}\nlogs: {out / 'logs'}", file=sys.stderr)
         return 1
@@ -64,6 +68,10 @@ def _parser(root: Path) -> argparse.ArgumentParser:
         "then analyse its bag.",
     )
     add_run_arguments(parser, root)
+    parser.add_argument(
+        "--view", action="store_true", help="serve a page that shows the run, with buttons"
+    )
+    add_recording_arguments(parser)
     return parser
 
 
@@ -127,7 +135,9 @@ def run_folder(root: Path, out: Path | None, scenario: str) -> Path:
     return out
 
 
-def _run(resolved: ResolvedScenario, out: Path) -> int:
+def _run(
+    resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *, view: bool
+) -> int:
     """Bring up, play, end, analyse; returns the exit code."""
     scenario = resolved.scenario
     (out / "scenario.yaml").write_text(resolved.to_yaml(), encoding="utf-8")
@@ -141,7 +151,7 @@ def _run(resolved: ResolvedScenario, out: Path) -> int:
         os.environ.update(environment)
         supervisor = Supervisor(out / "logs", environment)
         try:
-            _play(resolved, supervisor, out)
+            _play(resolved, supervisor, out, recording, view=view)
         finally:
             # From here on a second Ctrl-C changes nothing: all ends in order.
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -156,14 +166,23 @@ def _run(resolved: ResolvedScenario, out: Path) -> int:
     return 0
 
 
-def _play(resolved: ResolvedScenario, supervisor: Supervisor, out: Path) -> None:
+def _play(
+    resolved: ResolvedScenario,
+    supervisor: Supervisor,
+    out: Path,
+    recording: Mapping[str, str],
+    *,
+    view: bool,
+) -> None:
     """Bring up the processes and play the scenario, with a line of progress."""
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     executor = EventsExecutor()
     player = Player(resolved, executor)
     try:
         path, bag = out / "scenario.yaml", out / "bag"
-        bring_up(supervisor, path, bag, peers=[PLAYER])
+        if view:
+            print(f"watch it at {start_page(supervisor, path)}", flush=True)
+        bring_up(supervisor, path, bag, peers=[PLAYER], recording=recording)
         play_shown(resolved, player, supervisor)
     finally:
         executor.shutdown()
