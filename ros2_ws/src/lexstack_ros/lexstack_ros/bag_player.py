@@ -12,10 +12,11 @@ import yaml
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
-from lexstack_bag.container import Container
+from lexstack_bag.container import Container, RawMessage
 from lexstack_bag.errors import BagError
 from lexstack_bag.reader import PLANT_STATE, Decoder
 from lexstack_bag.replay.outcome import Outcome, joints_of
@@ -89,6 +90,7 @@ class BagPlayer(Node):
         self._live = LIVE.get(live)
         self._patience = patience
         self._answers: dict[int, Any] = {}  # chi by tick
+        self._sender = ""  # the live robot A's name in messages
         leave = (*_OWN, *(self._live.topics if self._live else ()))
         self._publishers_by_topic: dict[str, Publisher] = {
             topic: self.create_publisher(message_class(kind), topic, _qos(metadata))
@@ -154,13 +156,8 @@ class BagPlayer(Node):
                 if state.status != PlantState.PAUSED and state.tick > served:
                     self._speak(user, state.tick)
                     served = state.tick
-                if self._clock is not None:
-                    stamp = state.header.stamp
-                    time_message = Clock()
-                    time_message.clock.sec = stamp.sec
-                    time_message.clock.nanosec = stamp.nanosec
-                    self._clock.publish(time_message)
-            publisher.publish(bytes(message.data))
+                self._tell_time(state)
+            publisher.publish(self._altered(message))
             played += 1
         self._await(served, expected)
         return played
@@ -175,6 +172,27 @@ class BagPlayer(Node):
             if len(answer) == team.n:
                 heard[place] = answer
         return Outcome(live, joints_of(team), chi.tick[rows], chi.stamp[rows], chi.chi[rows], heard)
+
+    def _tell_time(self, state: Any) -> None:
+        """Publish /clock where the bag has none."""
+        if self._clock is not None:
+            stamp = state.header.stamp
+            time_message = Clock()
+            time_message.clock.sec, time_message.clock.nanosec = stamp.sec, stamp.nanosec
+            self._clock.publish(time_message)
+
+    def _altered(self, message: RawMessage) -> Any:
+        """Return a message as it is played.
+
+        The plant follows the live robot A as it followed the recorded one: the name of the
+        commander in its state is the live node's.
+        """
+        if message.topic != PLANT_STATE or not self._sender:
+            return bytes(message.data)
+        state = deserialize_message(bytes(message.data), PlantState)
+        if state.commander:
+            state.commander = self._sender
+        return state
 
     def _await(self, tick: int, expected: set[int]) -> None:
         """Wait for the live node's answer to a tick."""
@@ -223,6 +241,8 @@ class BagPlayer(Node):
 
     def _on_chi(self, message: Chi) -> None:
         """Keep what the live node says."""
+        if self._live is LIVE["robot_a"]:
+            self._sender = message.sender
         self._answers[message.tick] = message.chi
 
 

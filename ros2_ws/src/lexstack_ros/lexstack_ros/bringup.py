@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from lexstack_ros.readiness import READY
@@ -27,6 +27,8 @@ def bring_up(
     peers: Sequence[str],
     nodes: Sequence[str] = tuple(NODES),
     timeout: float = _READY_TIMEOUT,
+    *,
+    recording: Mapping[str, str] | None = None,
 ) -> None:
     """Start nodes of a run and wait until each may be relied on.
 
@@ -37,6 +39,7 @@ def bring_up(
         peers: names of the other nodes of the run: users, and what other hosts start.
         nodes: keys of NODES, those to start here.
         timeout: of wall time until all are connected with each other and with the peers [s].
+        recording: more parameters of the recorder, as YAML.
 
     Raises:
         ChildDiedError: one ended; NotReadyError: one was not ready in time.
@@ -45,7 +48,7 @@ def bring_up(
     for name in chosen:
         given = {"scenario": str(scenario)}
         if name == RECORDER:
-            given["output"] = str(bag)
+            given |= {"output": str(bag), **(recording or {})}
         given["peers"] = ",".join([*(other for other in chosen if other != name), *peers])
         pairs = [argument for key, value in given.items() for argument in ("-p", f"{key}:={value}")]
         supervisor.start(name, NODES[name], ["--ros-args", *pairs])

@@ -1,7 +1,12 @@
-"""The recorder's parameters: named and meant as the options of ``ros2 bag record``."""
+"""What a user chooses of a recording, named and meant as the options of ``ros2 bag record``.
+
+As parameters of the recorder, and as arguments of the commands that start one.
+"""
 
 from __future__ import annotations
 
+import argparse
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -68,6 +73,51 @@ class RecordingOptions:
             raise ConfigurationError(
                 f"{node.get_name()}: {' '.join(str(error).split())}"
             ) from error
+
+
+def add_recording_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of ``ros2 bag record`` that the recorder knows."""
+    group = parser.add_argument_group("recording, as with ros2 bag record")
+    group.add_argument(
+        "--storage-preset-profile",
+        choices=tuple(PRESETS),
+        default=DEFAULT_PRESET,
+        help="compression (default: %(default)s, small chunks with zstd)",
+    )
+    group.add_argument(
+        "--max-bag-size", type=int, default=0, metavar="BYTES", help="split files at this size"
+    )
+    group.add_argument(
+        "--max-bag-duration", type=float, default=0.0, metavar="S", help="split files at this time"
+    )
+    for key, what in _LISTS.items():
+        group.add_argument(_flag(key), nargs="+", default=[], metavar="NAME", help=what)
+    for key, what in _EXPRESSIONS.items():
+        group.add_argument(_flag(key), default="", metavar="EXPRESSION", help=what)
+
+
+def recorder_parameters(options: argparse.Namespace) -> dict[str, str]:
+    """Return the recorder's parameters for such arguments; raises ConfigurationError."""
+    lists = {key: tuple(getattr(options, key)) for key in _LISTS}
+    expressions = {key: getattr(options, key) for key in _EXPRESSIONS}
+    try:
+        Selection(**lists, **expressions)
+        Storage(options.storage_preset_profile, options.max_bag_size, options.max_bag_duration)
+    except BagError as error:
+        raise ConfigurationError(f"recording: {error}") from error
+    texts = {key: ",".join(names) for key, names in lists.items()} | expressions
+    texts["storage_preset_profile"] = options.storage_preset_profile
+    return {
+        # In quotes: ROS reads what follows := as YAML.
+        **{key: json.dumps(text) for key, text in texts.items() if text},
+        "max_bag_size": str(options.max_bag_size),
+        "max_bag_duration": repr(float(options.max_bag_duration)),
+    }
+
+
+def _flag(key: str) -> str:
+    """Return the argument of a parameter."""
+    return "--" + key.replace("_", "-")
 
 
 def _storage(node: Node) -> Storage:
