@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from lexstack_bag.metrics import Metrics, PerRobot, PhaseMetrics
+from lexstack_bag.relations import TITLES
 
 PAPER_SEQUENCE = "transition-sequence"
 """The scenario that repeats the paper's Figs. 5 to 9."""
@@ -113,6 +114,10 @@ def summary_lines(metrics: Metrics) -> list[str]:
         f"{_pair(phase.base_error_mm):>16}{_text(phase.peak_acceleration_ratio, 3):>12}"
         for phase in metrics.phases
     ]
+    for key, title in TITLES.items():
+        values = [(phase.stack, getattr(phase, key)) for phase in metrics.phases]
+        told = ", ".join(f"{stack} {_pair(found)}" for stack, found in values if found)
+        lines += [f"{title}: {told}"] if told else []
     return lines
 
 

@@ -11,13 +11,15 @@ import numpy as np
 
 from lexstack_bag.measures import COMMANDER, Measures
 from lexstack_bag.phases import BASE_TASKS, EE_TASKS, Phase, tasks_of
+from lexstack_bag.relations import PerRobot, relations_of
 from lexstack_bag.run import Integers, Run, SolveStatus
 from lexstack_bag.settling import settled_after
 from lexstack_core.linear import Matrix, Vector
+from lexstack_core.model import Team
 
 STEADY_WINDOW = 0.5  # s, the end of a phase over which steady-state errors are averaged
 
-PerRobot = dict[str, float | None]
+__all__ = ["Metrics", "PerRobot", "PhaseMetrics", "compute_metrics"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +35,11 @@ class PhaseMetrics:
     base_error_mm: PerRobot | None  # steady state
     base_error_mrad: PerRobot | None  # steady state, yaw
     peak_acceleration_ratio: float | None
+    relative_error_mm: PerRobot | None = None  # steady state, of an object that two robots hold
+    relative_error_mrad: PerRobot | None = None
+    relative_peak_error_mm: PerRobot | None = None
+    relative_peak_error_mrad: PerRobot | None = None
+    obstacle_distance_mm: PerRobot | None = None  # least, of the spheres; None without obstacles
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +69,7 @@ class Metrics:
 
 def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> Metrics:
     """Return the figures of a run."""
-    scenario, command = run.resolved.scenario, run.chi[COMMANDER]
+    scenario, command, team = run.resolved.scenario, run.chi[COMMANDER], run.team()
     return Metrics(
         scenario=scenario.name,
         mode=scenario.mode,
@@ -77,7 +84,7 @@ def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> 
         ),
         peak_acceleration_ratio=_peak(measures.acceleration_ratio),
         peak_jerk_ratio=_peak(measures.jerk_ratio),
-        phases=tuple(_phase(run, measures, phase) for phase in phases),
+        phases=tuple(_phase(run, team, measures, phase) for phase in phases),
         solve_us={
             name: {
                 "median": _percentile(1e6 * chi.solve_time, 50),
@@ -90,7 +97,7 @@ def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> 
     )
 
 
-def _phase(run: Run, measures: Measures, phase: Phase) -> PhaseMetrics:
+def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetrics:
     """Return the figures of one phase."""
     ticks = phase.ticks(measures.time)
     steady = ticks & (measures.time >= phase.end - STEADY_WINDOW - 1e-6)
@@ -115,6 +122,7 @@ def _phase(run: Run, measures: Measures, phase: Phase) -> PhaseMetrics:
         peak_acceleration_ratio=_peak(
             measures.acceleration_ratio[phase.ticks(measures.command_time)]
         ),
+        **asdict(relations_of(run, team, measures, phase.stack, ticks, steady)),
     )
 
 

@@ -15,6 +15,7 @@ from lexstack_core.linear import Vector
 EE_TASKS = frozenset({"ee_pose", "ee_position"})
 BASE_TASKS = frozenset({"base"})
 POSTURE_TASKS = frozenset({"posture"})
+RELATIVE_TASKS = frozenset({"relative_pose"})
 
 
 @dataclass(frozen=True, slots=True)

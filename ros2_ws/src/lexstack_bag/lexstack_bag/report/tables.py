@@ -7,6 +7,7 @@ from html import escape
 
 from lexstack_bag.goals import goals_of
 from lexstack_bag.metrics import Metrics, PerRobot
+from lexstack_bag.relations import TITLES
 
 _WORDS = {
     True: '<span class="yes">reached</span>',
@@ -38,6 +39,8 @@ def phases_table(metrics: Metrics) -> str:
     head += [f"EE peak {name} [mm]" for name in robots]
     head += [f"base {name} [mm]" for name in robots]
     head += ["acceleration / limit"]
+    more = [key for key in TITLES if any(getattr(phase, key) for phase in metrics.phases)]
+    head += [f"{name}, {TITLES[key]}" for key in more for name in robots]
     rows = []
     for phase in metrics.phases:
         row = [f"<b>{escape(phase.stack)}</b>", f"{phase.start_s:.2f}"]
@@ -45,7 +48,10 @@ def phases_table(metrics: Metrics) -> str:
         row += _numbers(phase.ee_error_mm, robots, 3)
         row += _numbers(phase.ee_peak_error_mm, robots, 2)
         row += _numbers(phase.base_error_mm, robots, 2)
-        rows.append([*row, number(phase.peak_acceleration_ratio, 3)])
+        row += [number(phase.peak_acceleration_ratio, 3)]
+        for key in more:
+            row += _numbers(getattr(phase, key), robots, 2)
+        rows.append(row)
     return _table(head, rows, "phases")
 
 
