@@ -12,6 +12,8 @@ from lexstack_core.linear import Vector
 from lexstack_core.model import RobotModel
 from lexstack_sim.world import body_name
 
+_STRONGEST = 1e4  # N, N m: more throws 150 kg out of the world
+
 
 @dataclass(frozen=True, slots=True)
 class Wrench:
@@ -46,6 +48,8 @@ def wrench_on(
     for name, vector in (("force", force), ("torque", torque)):
         if np.shape(vector) != (3,) or not np.isfinite(vector).all():
             raise InputError(f"wrench: {name}: expected 3 finite numbers, got {vector}")
+        if np.abs(vector).max() > _STRONGEST:
+            raise InputError(f"wrench: {name}: at most {_STRONGEST:g} per axis, got {vector}")
     frame = model.frames[model.getFrameId(link)]
     body = world.body(body_name(robot, frame.parentJoint)).id
     offset = np.array(frame.placement.translation)

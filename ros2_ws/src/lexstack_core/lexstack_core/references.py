@@ -7,9 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lexstack_core.config.scenario import PoseConfig, ScenarioConfig
+from lexstack_core.errors import InputError
 from lexstack_core.linear import Vector
 from lexstack_core.model import Pose, Team
 from lexstack_core.rotation import from_quaternion
+
+_MOST = 10_000  # targets to come; a stream that is stamped in the future must not fill the memory
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +73,13 @@ class ReferenceSchedule:
         )
 
     def add(self, target: Target) -> None:
-        """Take a new target; of two for the same time the later addition wins."""
+        """Take a new target; of two for the same time the later addition wins.
+
+        Raises:
+            InputError: too many targets are to come already.
+        """
+        if len(self._coming) >= _MOST:
+            raise InputError(f"targets: {_MOST} are to come already, this one is left out")
         self._coming.append(target)
         self._coming.sort(key=lambda entry: entry.at)  # stable: keeps the order of arrival
 

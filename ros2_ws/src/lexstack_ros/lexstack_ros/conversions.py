@@ -25,6 +25,7 @@ from lexstack_core.transition.status import Announcement, SourceSample, Transiti
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
 
 WORLD = "world"
+_HUGE = 1e6  # m, rad, m/s, rad/s: no robot gets there
 _FARTHEST = 1000.0  # m, a target farther away is a mistake
 _UNIT = 1e-2  # how far a quaternion's norm may be from 1
 _UPRIGHT = 1e-3  # rad, how far a base target may be tilted
@@ -60,6 +61,9 @@ def to_vector(values: Any, n: int, field: str) -> Vector:
     if not np.isfinite(vector).all():
         where = int(np.flatnonzero(~np.isfinite(vector))[0])
         raise InputError(f"{field}[{where}]: must be finite, got {vector[where]}")
+    largest = float(np.abs(vector).max(initial=0.0))
+    if largest > _HUGE:
+        raise InputError(f"{field}: out of range: {largest:g}, at most {_HUGE:g}")
     vector.setflags(write=False)
     return vector
 

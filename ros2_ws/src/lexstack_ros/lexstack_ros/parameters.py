@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 
 from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.config.yaml_text import read_text
 from lexstack_core.errors import ConfigurationError
 
 
 def text_parameter(node: Node, name: str, description: str, default: str | None = None) -> str:
     """Declare a read-only text and return it; raises ConfigurationError where it must be given."""
     descriptor = ParameterDescriptor(description=description, read_only=True)
-    value = str(node.declare_parameter(name, default or "", descriptor).value)
+    value = str(declared(node, name, default or "", descriptor))
     if not value and default is None:
         raise ConfigurationError(
             f"{node.get_name()}: parameter {name!r} ({description}) is missing; "
@@ -26,14 +29,19 @@ def text_parameter(node: Node, name: str, description: str, default: str | None 
 def flag_parameter(node: Node, name: str, description: str, *, default: bool) -> bool:
     """Declare a read-only switch and return it."""
     descriptor = ParameterDescriptor(description=description, read_only=True)
-    return bool(node.declare_parameter(name, default, descriptor).value)
+    return bool(declared(node, name, default, descriptor))
+
+
+def declared(node: Node, name: str, default: Any, descriptor: ParameterDescriptor) -> Any:
+    """Declare a parameter and return its value; raises ConfigurationError for a wrong one."""
+    try:
+        return node.declare_parameter(name, default, descriptor).value
+    except ParameterException as error:
+        line = " ".join(str(error).split())
+        raise ConfigurationError(f"{node.get_name()}: parameter {name!r}: {line}") from error
 
 
 def scenario_parameter(node: Node) -> ResolvedScenario:
     """Return the resolved scenario whose file the parameter ``scenario`` names."""
     path = Path(text_parameter(node, "scenario", "file of the resolved scenario"))
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error}") from error
-    return ResolvedScenario.from_yaml(text, str(path))
+    return ResolvedScenario.from_yaml(read_text(path), str(path))

@@ -16,7 +16,16 @@ from lexstack_ros.parameters import text_parameter
 
 READY = "ready"
 _PERIOD = 0.1  # s of wall time between two looks
+_TELL = 5.0  # s between two lines about what is missing
 _SETTLED = 0.5  # s for which nothing may be missing: endpoints come one by one
+
+
+def missing_connections(node: Node, peers: Collection[str]) -> str:
+    """Return what is still missing until ``is_connected``, in words; '' if nothing is."""
+    away = sorted(set(peers) - set(node.get_node_names()))
+    if away:
+        return f"waits for {', '.join(away)}"
+    return "" if is_connected(node, peers) else "waits for topics to be connected"
 
 
 def is_connected(node: Node, peers: Collection[str]) -> bool:
@@ -66,6 +75,7 @@ class Readiness:
         names = text_parameter(node, "peers", "nodes to connect with first, comma-separated", "")
         self._peers = [name.strip() for name in names.split(",") if name.strip()]
         self._since = time.monotonic()
+        self._told = self._since
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = node.create_timer(_PERIOD, self._look, clock=wall)
 
@@ -74,7 +84,15 @@ class Readiness:
         now = time.monotonic()
         if not self.hears_plant or not is_connected(self._node, self._peers):
             self._since = now
+            self._tell(now)
         elif not self._peers or now - self._since >= _SETTLED:
             self._timer.cancel()
             self._on_ready()
             print(READY, flush=True)
+
+    def _tell(self, now: float) -> None:
+        """Say now and then what is missing."""
+        if now - self._told >= _TELL:
+            self._told = now
+            what = missing_connections(self._node, self._peers)
+            self._node.get_logger().info(what or "waits for a state of the plant")

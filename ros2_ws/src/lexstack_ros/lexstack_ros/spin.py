@@ -12,8 +12,9 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
-from lexstack_core.errors import LexstackError
+from lexstack_core.errors import ConfigurationError, LexstackError
 from lexstack_ros.supervisor import end_with_supervisor
 
 BAD_ARGUMENT = 2
@@ -33,8 +34,11 @@ def run_node(factory: Callable[[], Node]) -> int:
     """
     stop = _StopFlag()
     end_with_supervisor()
-    # Without its own signal handlers ROS stays up until the node has closed.
-    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        begin_ros(sys.argv)
+    except ConfigurationError as error:
+        print(f"error: {error}", file=sys.stderr, flush=True)
+        return BAD_ARGUMENT
     executor = EventsExecutor()
     node: Node | None = None
     try:
@@ -59,6 +63,24 @@ def run_node(factory: Callable[[], Node]) -> int:
             node.destroy_node()
         rclpy.try_shutdown()
     return 0
+
+
+def begin_ros(arguments: list[str]) -> None:
+    """Begin with a node's command line; raises ConfigurationError where it is wrong.
+
+    ROS' own signal handlers stay off, so that ROS is up until the node has closed.
+    """
+    try:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    except (RuntimeError, ValueError) as error:  # rclpy's own errors are RuntimeErrors
+        line = " ".join(str(error).split())
+        raise ConfigurationError(f"arguments of the node: {line}") from error
+    unknown = remove_ros_args(arguments)[1:]
+    if unknown:
+        rclpy.shutdown()
+        raise ConfigurationError(
+            f"arguments of the node: unknown {unknown[0]!r}; parameters: --ros-args -p NAME:=VALUE"
+        )
 
 
 class _StopFlag:

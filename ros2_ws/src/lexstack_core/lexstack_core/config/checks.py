@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
+import reprlib
 from collections.abc import Iterable
 
 from lexstack_core.errors import ConfigurationError
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
+_ROS_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
+_BRIEF = reprlib.Repr()
+_BRIEF.maxstring = _BRIEF.maxother = 80
 
 
 def positive(where: str, **values: float | Iterable[float]) -> None:
@@ -37,6 +44,37 @@ def same_length(where: str, length: int, **values: tuple[float, ...]) -> None:
     for name, value in values.items():
         if len(value) != length:
             raise ConfigurationError(f"{where}: {name}: expected {length} values, got {len(value)}")
+
+
+def at_most(where: str, largest: float, **values: float) -> None:
+    """Raise ConfigurationError unless every value is at most ``largest``."""
+    for name, value in values.items():
+        if value > largest:
+            raise ConfigurationError(f"{where}: {name}: must be at most {largest:g}, got {value:g}")
+
+
+def names(where: str, *, ros: bool = False, **values: str | Iterable[str]) -> None:
+    """Raise ConfigurationError unless every name may be (a part of) a file's name.
+
+    ``ros``: and of a topic's.
+    """
+    form = _ROS_NAME if ros else _NAME
+    letters = "letters, digits and _" if ros else "letters, digits, _ and -"
+    for key, value in values.items():
+        for name in (value,) if isinstance(value, str) else value:
+            if not form.fullmatch(name):
+                raise ConfigurationError(
+                    f"{where}: {key}: a name has {letters}, begins with a letter "
+                    f"and has at most 64 characters, got {shown(name)}"
+                )
+
+
+def shown(value: object) -> str:
+    """Return a value as it may stand in an error: one line, not long, whatever it is."""
+    try:
+        return _BRIEF.repr(value)
+    except ValueError:  # an integer of more digits than Python prints
+        return f"a {type(value).__name__} that is too long to show"
 
 
 def _numbers(value: float | Iterable[float]) -> Iterable[float]:

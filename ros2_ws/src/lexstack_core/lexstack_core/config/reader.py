@@ -9,32 +9,23 @@ import typing
 from pathlib import Path
 from typing import Any, TypeVar
 
-import yaml
-
+from lexstack_core.config.checks import shown
+from lexstack_core.config.yaml_text import parse_plain, read_text
 from lexstack_core.errors import ConfigurationError
 
 T = TypeVar("T")
 
+_LARGEST = 2**63  # integers beyond it are mistakes
+
 
 def read_yaml(path: Path) -> dict[str, Any]:
     """Return the mapping in a YAML file; raises ConfigurationError naming file and line."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error}") from error
-    return parse_yaml(text, str(path))
+    return parse_yaml(read_text(path), str(path))
 
 
 def parse_yaml(text: str, where: str) -> dict[str, Any]:
     """Return the mapping in a YAML text; ``where`` names its origin in errors."""
-    try:
-        data = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        line = " ".join(str(error).split())
-        raise ConfigurationError(f"{where}: not valid YAML: {line}") from error
-    if not isinstance(data, dict):
-        raise ConfigurationError(f"{where}: expected a mapping of keys, got {type(data).__name__}")
-    return data
+    return parse_plain(text, where)
 
 
 def build(kind: type[T], data: object, where: str) -> T:
@@ -43,13 +34,13 @@ def build(kind: type[T], data: object, where: str) -> T:
     A dataclass may define ``validate(where)``, which raises ConfigurationError; it runs last.
     """
     if not isinstance(data, dict):
-        raise ConfigurationError(f"{where}: expected a mapping of keys, got {data!r}")
+        raise ConfigurationError(f"{where}: expected a mapping of keys, got {shown(data)}")
     hints = typing.get_type_hints(kind)
     fields = {field.name: field for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
     unknown = [str(key) for key in data if key not in fields]
     if unknown:
         raise ConfigurationError(
-            f"{where}: unknown key {unknown[0]!r}; known: {', '.join(sorted(fields))}"
+            f"{where}: unknown key {shown(unknown[0])}; known: {', '.join(sorted(fields))}"
         )
     values = {}
     for name, field in fields.items():
@@ -84,7 +75,7 @@ def _convert(hint: Any, value: object, where: str) -> Any:
         return _convert_tuple(hint, value, where)
     if origin is dict:
         if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
-            raise ConfigurationError(f"{where}: expected a mapping of names, got {value!r}")
+            raise ConfigurationError(f"{where}: expected a mapping of names, got {shown(value)}")
         item = typing.get_args(hint)[1]
         return {key: _convert(item, entry, f"{where}.{key}") for key, entry in value.items()}
     if origin is typing.Literal:
@@ -111,7 +102,7 @@ def _convert_union(hint: Any, value: object, where: str) -> Any:
 def _convert_tuple(hint: Any, value: object, where: str) -> tuple[Any, ...]:
     """Return a list as a tuple; a fixed length is checked."""
     if not isinstance(value, list | tuple):
-        raise ConfigurationError(f"{where}: expected a list, got {value!r}")
+        raise ConfigurationError(f"{where}: expected a list, got {shown(value)}")
     items = typing.get_args(hint)
     if len(items) == 2 and items[1] is Ellipsis:
         return tuple(_convert(items[0], item, f"{where}[{i}]") for i, item in enumerate(value))
@@ -127,18 +118,31 @@ def _convert_choice(choices: tuple[Any, ...], value: object, where: str) -> Any:
     """Return ``value`` if it is one of the literal ``choices``."""
     if value not in choices:
         known = ", ".join(str(choice) for choice in choices)
-        raise ConfigurationError(f"{where}: {value!r} is not one of: {known}")
+        raise ConfigurationError(f"{where}: {shown(value)} is not one of: {known}")
     return value
 
 
 def _convert_scalar(hint: Any, value: object, where: str) -> Any:
     """Return a bool, int, str or float (not NaN; ``.inf`` is legal where ``validate`` allows)."""
-    if hint is Any or (hint in (bool, str) and isinstance(value, hint)):
+    if hint is str and isinstance(value, str):
+        return _text(value, where)
+    if hint is Any or (hint is bool and isinstance(value, bool)):
         return value
     if hint is int and isinstance(value, int) and not isinstance(value, bool):
+        if abs(value) > _LARGEST:
+            raise ConfigurationError(f"{where}: out of range, got {shown(value)}")
         return value
     if hint is float and isinstance(value, int | float) and not isinstance(value, bool):
         if math.isnan(value):
             raise ConfigurationError(f"{where}: must be a number, got NaN")
+        if isinstance(value, int) and abs(value) > _LARGEST:
+            raise ConfigurationError(f"{where}: out of range, got {shown(value)}")
         return float(value)
-    raise ConfigurationError(f"{where}: expected {hint.__name__}, got {value!r}")
+    raise ConfigurationError(f"{where}: expected {hint.__name__}, got {shown(value)}")
+
+
+def _text(value: str, where: str) -> str:
+    """Return a text that can be printed and sent."""
+    if not all(letter.isprintable() or letter == "\n" for letter in value):
+        raise ConfigurationError(f"{where}: expected printable characters, got {shown(value)}")
+    return value

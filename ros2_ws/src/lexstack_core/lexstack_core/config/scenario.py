@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from lexstack_core.config.checks import finite, not_negative, positive
+from lexstack_core.config.checks import at_most, finite, names, not_negative, positive
 from lexstack_core.config.plant import PlantConfig
 from lexstack_core.config.robot import Vector3
 from lexstack_core.errors import ConfigurationError
 
 Quaternion = tuple[float, float, float, float]
 Mode = Literal["lockstep", "realtime"]
+_FASTEST = 1000.0  # Hz, the plant's own steps
+_LONGEST = 1e6  # s, 11 days
 MethodName = Literal[  # the keys of lexstack_core.transition.methods.METHODS
     "bridge",
     "bridge_jerk",
@@ -31,6 +33,11 @@ class PlacementConfig:
 
     model: str  # a name of config/robots
     base: Vector3  # x [m], y [m], yaw [rad] in the world frame
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a model that is no name, or a place that is not finite."""
+        names(where, model=self.model)
+        finite(where, base=self.base)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +68,7 @@ class PoseConfig:
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError unless the quaternion has unit length."""
+        finite(where, position=self.position, orientation=self.orientation)
         norm = sum(value * value for value in self.orientation) ** 0.5
         if abs(norm - 1.0) > 1e-3:
             raise ConfigurationError(f"{where}: orientation: norm must be 1, got {norm:.4f}")
@@ -145,7 +153,11 @@ class ScenarioConfig:
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for unknown robots and values out of range."""
+        names(where, name=self.name)
+        names(where, ros=True, robots=self.robots)
         positive(where, rate=self.rate, duration=self.duration)
+        at_most(where, _FASTEST, rate=self.rate)
+        at_most(where, _LONGEST, duration=self.duration)
         if not self.robots:
             raise ConfigurationError(f"{where}: robots: at least one robot is needed")
         targets: list[tuple[str, dict[str, PoseConfig] | dict[str, Vector3]]] = [
