@@ -13,7 +13,7 @@ from lexstack_core.lateness import Motion
 from lexstack_experiments.experiments.sudden_limits_cases import cases, laws
 from lexstack_experiments.experiments.sudden_limits_least import least_ticks
 from lexstack_experiments.experiments.sudden_limits_runs import Play, never_switched
-from lexstack_experiments.runs import Measured
+from lexstack_experiments.runs import Measured, changed
 from support.scenario import CONFIG
 
 ALL = {case.name: case for case in cases(CONFIG, 0)}
@@ -59,6 +59,46 @@ def test_the_analysis_finds_the_limits_that_were_in_force(name):
             np.testing.assert_array_equal(getattr(mine, field), getattr(theirs, field))
     assert measured.metrics.peak_acceleration_ratio <= 1.0 + 1e-6
     assert measured.metrics.empty_bounds == 0
+
+
+def one_by_one():
+    """Return the case with a stack for each robot alone, the second one a little later."""
+    case = ALL["in motion"]
+    stacks = dict(case.resolved.stacks)
+    goes, trigger = case.resolved.scenario.events
+    events = [goes]
+    for k, robot in enumerate(case.resolved.scenario.robots):
+        whole = stacks["confined"]
+        name = f"confined {robot}"
+        limits = {robot: whole.limits[robot]}
+        stacks[name] = replace(whole, name=name, robots=(robot,), limits=limits)
+        events.append(replace(trigger, at=trigger.at + 0.1 * k, switch=name))
+    resolved = changed(replace(case.resolved, stacks=stacks), events=tuple(events))
+    return replace(case, resolved=resolved)
+
+
+def test_each_robot_has_the_limits_of_its_own_stack():
+    case = one_by_one()
+    play = Play(case, laws(case)[0])
+    assert not play.empty_ticks()
+    assert play.loop.record.commands[-1].stack == "confined robot_a + confined robot_b"
+    second = play.trigger + 10
+    out = play.outside()
+    first, other = play.loop.parts.team.slices
+    least = play.least()[first]
+    assert [int(np.flatnonzero(column)[-1]) + 1 for column in out[:, first].T if column.any()] == [
+        ticks for ticks in least.tolist() if ticks
+    ]
+    assert not out[-1].any()
+    own = play.loop.parts.team.limits
+    before, after = play.law.limits[second - 1], play.law.limits[-1]
+    np.testing.assert_array_equal(before.position_lower[other], own.position_lower[other])
+    np.testing.assert_array_equal(after.position_lower, play.new.position_lower)
+    measured = Measured.of(play.loop)
+    found = limits_in_force(measured.run, play.loop.parts.team, COMMANDER)
+    for mine, theirs in zip(found, play.law.limits, strict=True):
+        for field in ("position_lower", "position_upper", "velocity", "acceleration"):
+            np.testing.assert_array_equal(getattr(mine, field), getattr(theirs, field))
 
 
 def test_smaller_accelerations_count_once_they_are_in_force():

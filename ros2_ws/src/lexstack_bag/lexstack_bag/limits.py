@@ -6,29 +6,29 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lexstack_bag.run import ChiStream, PlantStream, Run
+from lexstack_bag.run import ChiStream, PlantStream, Run, TransitionPhase
 from lexstack_core.bounds import JointLimits
 from lexstack_core.in_force import LimitOptions, LimitsInForce
 from lexstack_core.model import Team
-from lexstack_core.stack import build_stack
+from lexstack_core.stack import AT_REST, build_stack
 from lexstack_core.state import RobotState
 from lexstack_core.transition.methods import JERK_LIMITED
 
-_AT_REST = " at rest"  # robot A's own stacks, where robot B was lost
+_JOINED = " + "  # between the names of several stacks
+_NOT_YET = (TransitionPhase.REQUESTED, TransitionPhase.PREPARING)  # the stack is still to come
 
 
 def limits_in_force(run: Run, team: Team, commander: str) -> tuple[JointLimits, ...]:
     """Return the limits at every tick of the commander's chi.
 
-    A tick whose plant state was not recorded has those of the tick before. Where several stacks
-    are in effect, each on some of the robots, a joint has the tightest limit of them.
+    A tick whose plant state was not recorded has those of the tick before.
     """
     command, stacks = run.chi[commander], limits_of_stacks(run, team)
     if not stacks:
         return (team.limits,) * len(command.tick)
-    names = {str(name) for name in command.stack}
-    wanted = {name: _tightest(name, stacks, team.limits) for name in names}
-    return tuple(_led(run, team, command, [wanted[str(name)] for name in command.stack]))
+    in_effect = list(_stacks_in_effect(run, command))
+    wanted = {names: _joined(names, stacks, team) for names in set(in_effect)}
+    return tuple(_led(run, team, command, [wanted[names] for names in in_effect]))
 
 
 def limits_of_stacks(run: Run, team: Team) -> dict[str, JointLimits]:
@@ -41,19 +41,41 @@ def limits_of_stacks(run: Run, team: Team) -> dict[str, JointLimits]:
     return {name: limits for name, limits in stacks.items() if limits is not None}
 
 
-def _tightest(name: str, stacks: dict[str, JointLimits], own: JointLimits) -> JointLimits:
-    """Return what the stacks ask for that a recorded name stands for; they are joined by ' + '."""
-    parts = [part.removesuffix(_AT_REST) for part in name.split(" + ")]
-    found = [stacks[part] for part in parts if part in stacks]
-    if len(found) < 2:
-        return found[0] if found else own
+def _stacks_in_effect(run: Run, command: ChiStream) -> Iterator[tuple[str, ...]]:
+    """Yield the stack of each robot, tick by tick.
+
+    Chi names all stacks in effect; which robot is on which of several, the transitions tell.
+    """
+    robots, status = run.robots, run.transition
+    rows: dict[int, list[int]] = {}
+    for row in np.flatnonzero(~np.isin(status.phase, _NOT_YET)).tolist():
+        rows.setdefault(int(status.tick[row]), []).append(row)
+    now = dict.fromkeys(robots, "")
+    for tick, name in zip(command.tick.tolist(), command.stack.tolist(), strict=True):
+        if _JOINED not in name:
+            now = dict.fromkeys(robots, name.removesuffix(AT_REST))
+        elif len(status.robots):
+            for row in rows.get(tick, []):
+                stack = str(status.to_stack[row]).removesuffix(AT_REST)
+                now |= dict.fromkeys(str(status.robots[row]).split(), stack)
+        yield tuple(now[robot] for robot in robots)
+
+
+def _joined(names: tuple[str, ...], stacks: dict[str, JointLimits], team: Team) -> JointLimits:
+    """Return the limits of all joints, given the stack of each robot."""
+    found = [stacks.get(name, team.limits) for name in names]
+    if all(limits is found[0] for limits in found):
+        return found[0]
     return JointLimits(
-        np.maximum.reduce([limits.position_lower for limits in found]),
-        np.minimum.reduce([limits.position_upper for limits in found]),
         *(
-            np.minimum.reduce([getattr(limits, rate) for limits in found])
-            for rate in ("velocity", "acceleration", "jerk")
-        ),
+            np.concatenate(
+                [
+                    getattr(limits, field)[part]
+                    for limits, part in zip(found, team.slices, strict=True)
+                ]
+            )
+            for field in ("position_lower", "position_upper", "velocity", "acceleration", "jerk")
+        )
     )
 
 
@@ -65,11 +87,11 @@ def _led(
     options = LimitOptions(run.period, scenario.limit_jerk, scenario.transition.limits_move)
     law, now = LimitsInForce(team.limits, options), team.limits
     states = {state.tick: state for state in _states(run.plant)}
-    methods = dict(zip(run.transition.tick.tolist(), run.transition.method.tolist(), strict=True))
+    limited = np.isin(run.transition.method, tuple(JERK_LIMITED))
+    with_jerk = set(run.transition.tick[limited].tolist())
     for tick, limits in zip(command.tick.tolist(), wanted, strict=True):
         if tick in states:
-            jerk = methods.get(tick, "") in JERK_LIMITED
-            now, _ = law.at(states[tick], limits, None, jerk=jerk)
+            now, _ = law.at(states[tick], limits, None, jerk=tick in with_jerk)
         yield now
 
 
