@@ -1,6 +1,6 @@
 """Hierarchies to test with: those of the bench of strictness."""
 
-from lexstack_experiments.benches.random_problems import (
+from lexstack_experiments.hierarchies.random_problems import (
     KINDS,
     near_singular,
     problem,

@@ -25,8 +25,8 @@ from lexstack_core.hqp.rows import FEASIBILITY, Hierarchy, LevelRows, Signs
 from lexstack_core.linear import LinearTask, Matrix, Vector
 
 _BACKEND_ERRORS = (ArithmeticError, RuntimeError, ValueError)
-_ROUNDS_OF_THE_LAST = 3  # guesses from the active set of the tick before
-_ROUNDS = 3  # guesses from one that the backend foresees
+_ROUNDS = 3  # guesses in a row, each a correction of the one before
+_FEW = 2  # wrong places in the last active set: with more of them the backend foresees better
 
 
 class NullSpaceCascade:
@@ -80,7 +80,7 @@ class NullSpaceCascade:
         self, hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Guess
     ) -> Vector | None:
         """Return the optimum if the last active set, or one that the backend foresees, is its."""
-        chi = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS_OF_THE_LAST)
+        chi = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, _FEW)
         if chi is not None:
             return chi
         try:

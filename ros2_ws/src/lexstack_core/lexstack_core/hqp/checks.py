@@ -15,7 +15,7 @@ def starting_point(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> tuple[
     """Return the point of the bounds next to zero, and why the problem is unusable, if it is."""
     chi = np.minimum(np.maximum(lower, 0.0), upper)
     ordered = lower <= upper
-    if not (ordered.all() and math.isfinite(chi.dot(chi))):
+    if np.count_nonzero(ordered) < chi.size or not math.isfinite(chi.dot(chi)):
         usable = ordered & np.isfinite(chi)
         joint = int(np.argmin(usable))
         reason = f"bounds: joint {joint}: [{lower[joint]}, {upper[joint]}] holds no number"
@@ -39,8 +39,10 @@ def touched(chi: Vector, bounds: Bounds) -> Signs:
 
     Up to rounding: it is the next solve's first guess.
     """
-    above = bounds.upper - chi <= FEASIBILITY
-    below = chi - bounds.lower <= FEASIBILITY
-    below &= ~above
-    touched: Signs = above.view(np.int8) - below.view(np.int8)
-    return touched
+    above, below = bounds.upper - chi, chi - bounds.lower
+    room = np.minimum(above, below)
+    sides: Signs = np.zeros(chi.size, dtype=np.int8)
+    if room.size and room[room.argmin()] <= FEASIBILITY:
+        sides[below <= FEASIBILITY] = -1
+        sides[above <= FEASIBILITY] = 1
+    return sides

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -64,7 +65,12 @@ class _Step:
 
 
 def solve_by_exchange(
-    hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Guess, rounds: int
+    hierarchy: Hierarchy,
+    lower: Vector,
+    upper: Vector,
+    guess: Guess,
+    rounds: int,
+    changes: int | None = None,
 ) -> Vector | None:
     """Return the exact optimum chi, shape (n,), or None if no guess in ``rounds`` was right.
 
@@ -78,6 +84,7 @@ def solve_by_exchange(
         upper: shape (n,).
         guess: what probably holds; it is left as the last one tried.
         rounds: the number of guesses to try.
+        changes: give up where a guess was wrong in more places; None: never.
     """
     fixed = upper - lower <= FEASIBILITY
     if np.count_nonzero(fixed):
@@ -85,41 +92,41 @@ def solve_by_exchange(
     for left in range(rounds - 1, -1, -1):
         chi, basis = hierarchy.nearest.copy(), None
         if np.count_nonzero(guess.joints):
-            _put_on_bounds(guess.joints, lower, upper, chi)
-            basis = _free(guess.joints)
+            chi = _on_bounds(guess.joints, lower, upper, chi)
+            basis = _unit(chi.size).compress(guess.joints == 0, axis=1)
         pressing = basis is not None or not hierarchy.exact
         steps = _chain(hierarchy, guess.rows, basis, chi, pressing)
         if not math.isfinite(chi.dot(chi)):
             return None
-        outside = _hold_violated(chi, lower, upper, guess.joints)
+        held = _hold_violated(chi, lower, upper, guess.joints)
         if not hierarchy.exact:
-            outside |= _hold_rows(hierarchy, chi, guess.rows)
-        if outside and left == 0:
+            held += _hold_rows(hierarchy, chi, guess.rows)
+        if held and left == 0:
             return None
-        released = pressing and _release(hierarchy, steps, chi, guess, fixed)
-        if not released and not outside:
+        wrong = held + (_release(hierarchy, steps, chi, guess, fixed) if pressing else 0)
+        if not wrong:
             return chi
+        if changes is not None and wrong > changes:
+            return None
     return None
 
 
-def _put_on_bounds(joints: Signs, lower: Vector, upper: Vector, chi: Vector) -> None:
-    """Put the held joints of chi on their bounds; free those that have no such bound."""
-    for side, bound in ((1, upper), (-1, lower)):
-        held = np.flatnonzero(joints == side)
-        if held.size:
-            ends = bound[held]
-            if not math.isfinite(ends.dot(ends)):
-                joints[held[np.isinf(ends)]] = 0
-                held = np.flatnonzero(joints == side)
-            chi[held] = bound[held]
+@lru_cache(maxsize=64)
+def _unit(n: int) -> Matrix:
+    """Return the unit matrix, read-only."""
+    unit: Matrix = np.eye(n)
+    unit.setflags(write=False)
+    return unit
 
 
-def _free(joints: Signs) -> Matrix:
-    """Return the unit vectors of the joints that are not held, shape (n, r)."""
-    free = np.flatnonzero(joints == 0)
-    basis = np.zeros((joints.size, free.size))
-    basis[free, np.arange(free.size)] = 1.0
-    return basis
+def _on_bounds(joints: Signs, lower: Vector, upper: Vector, nearest: Vector) -> Vector:
+    """Return chi with the held joints on their bounds; free those that have no such bound."""
+    ends = np.where(joints > 0, upper, lower)
+    chi = np.where(joints != 0, ends, nearest)
+    if not math.isfinite(chi.dot(chi)):
+        joints[np.isinf(ends)] = 0
+        chi = np.where(joints != 0, ends, nearest)
+    return chi
 
 
 def _chain(
@@ -193,32 +200,32 @@ def _move(step: _Step, chi: Vector, last: bool) -> Matrix | None:
     return left
 
 
-def _hold_rows(hierarchy: Hierarchy, chi: Vector, rows: Signs) -> bool:
-    """Hold the inequality rows that chi violates; return whether there was one."""
+def _hold_rows(hierarchy: Hierarchy, chi: Vector, rows: Signs) -> int:
+    """Hold the inequality rows that chi violates; return how many there were."""
     end = hierarchy.deciding[-1].part.stop if hierarchy.deciding else 0
     if end == 0:
-        return False
+        return 0
     lower, upper = hierarchy.lower[:end], hierarchy.upper[:end]
     value = np.where(hierarchy.equal[:end], lower, hierarchy.matrix[:end].dot(chi))
     return _hold_violated(value, lower, upper, rows[:end])
 
 
-def _hold_violated(value: Vector, lower: Vector, upper: Vector, sides: Signs) -> bool:
-    """Set the side of every value that is outside and free; return whether there was one."""
+def _hold_violated(value: Vector, lower: Vector, upper: Vector, sides: Signs) -> int:
+    """Set the side of every value that is outside and free; return how many there were."""
     above = value - upper
     below = lower - value
     outside = np.maximum(above, below)
     if outside[outside.argmax()] <= FEASIBILITY:  # four times as fast as max()
-        return False
+        return 0
     violated = (outside > FEASIBILITY) & (sides == 0)
     sides[violated] = np.where(above > below, 1, -1)[violated]
-    return bool(violated.any())
+    return int(np.count_nonzero(violated))
 
 
 def _release(
     hierarchy: Hierarchy, steps: list[_Step], chi: Vector, guess: Guess, fixed: Mask
-) -> bool:
-    """Release what the highest level that feels it pulls inside; return whether there was any.
+) -> int:
+    """Release what the highest level that feels it pulls inside; return how many there were.
 
     The gradient of each level's objective is balanced by multipliers of the rows above it; what
     remains of it acts on the joints that are held. Below the last step there is the distance to
@@ -241,14 +248,16 @@ def _release(
         if forces is not None and step.chosen is not None:
             forces[j, step.chosen] = residual
             forces[j + 1 :, step.chosen] = -multipliers
-    released = _judge(guess.joints, np.where(fixed, np.int8(0), guess.joints), -gradient)
+    # In place, because it is not needed any more; what cannot move anyway is not judged.
+    judged = np.where(fixed, np.int8(0), guess.joints)
+    released = _judge(guess.joints, judged, np.negative(gradient, out=gradient))
     if forces is not None:
-        released |= _judge(guess.rows, guess.rows, forces)
+        released += _judge(guess.rows, guess.rows, forces)
     return released
 
 
-def _judge(sides: Signs, judged: Signs, forces: Matrix) -> bool:
-    """Release what is pulled by the first force on it that is not zero; return whether any is.
+def _judge(sides: Signs, judged: Signs, forces: Matrix) -> int:
+    """Release what is pulled by the first force on it that is not zero; return how many are.
 
     Args:
         sides: shape (m,), of joints or of rows; zero where released.
@@ -256,8 +265,10 @@ def _judge(sides: Signs, judged: Signs, forces: Matrix) -> bool:
         forces: outward, in the order of the levels, shape (levels, m).
     """
     pressed = forces * judged
+    if pressed.min(initial=0.0) >= -MULTIPLIER:
+        return 0  # mostly; the order of the levels matters where some pull and some press
     felt = np.abs(pressed) > MULTIPLIER
     first = pressed[felt.argmax(axis=0), np.arange(judged.size)]
     pulled = first < -MULTIPLIER
     sides[pulled] = 0
-    return bool(pulled.any())
+    return int(np.count_nonzero(pulled))

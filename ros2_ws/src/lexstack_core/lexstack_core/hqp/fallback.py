@@ -57,11 +57,9 @@ def refusal(solution: Solution, bounds: Bounds) -> str:
     if not solution.solved:
         return solution.reason
     chi = solution.chi
-    # A NaN is not inside either.
-    inside = (bounds.lower - ROUNDING <= chi) & (chi <= bounds.upper + ROUNDING)
-    if np.count_nonzero(inside) == chi.size:
+    outside = np.maximum(bounds.lower - chi, chi - bounds.upper)
+    if not outside.size or outside[outside.argmax()] <= ROUNDING:  # never so for a NaN
         return ""
     if not np.isfinite(chi).all():
         return "the solver returned numbers that are not finite"
-    excess = np.maximum(bounds.lower - chi, chi - bounds.upper).max()
-    return f"the solver left the bounds by {excess:.3g}"
+    return f"the solver left the bounds by {outside.max():.3g}"

@@ -18,7 +18,7 @@ Indices = NDArray[np.intp]
 
 # Relative to the Frobenius norm of a level: smaller pivots are directions that the level does not
 # have. What a level can lose by it is this times its norm and the length of chi.
-RANK_TOLERANCE = 1e-7
+RANK_TOLERANCE = 1e-8
 # In the unit of chi or of a task: what counts as inside. Far above rounding, far below 1e-8.
 FEASIBILITY = 1e-11
 # The gain of objective per unit of bound below which nothing is felt; rounding makes 1e-15.
@@ -86,7 +86,7 @@ class Hierarchy:
     def __init__(self, levels: tuple[tuple[LinearTask, ...], ...], n: int) -> None:
         """Stack the tasks; raises InputError if one does not fit chi of length n."""
         tasks = [task for level in levels for task in level]
-        _check_shapes(tasks, n)
+        intervals = _intervals(tasks, n)
         if not tasks:
             tasks = [LinearTask("", np.empty((0, n)), np.empty(0), np.empty(0))]
         self.matrix: Matrix = np.concatenate([task.matrix for task in tasks], dtype=float)
@@ -94,7 +94,7 @@ class Hierarchy:
         self.upper = self.lower
         self.equal = _all(self.lower.size)
         self.exact = True
-        if any(task.lower is not task.upper for task in tasks):
+        if intervals:
             self.upper = np.concatenate([task.upper for task in tasks], dtype=float)
             self.equal = self.lower == self.upper
             self.exact = bool(self.equal.all())
@@ -174,12 +174,20 @@ def unit_scale(matrix: Matrix) -> float:
     return first if same and math.isfinite(first) else 0.0
 
 
-def _check_shapes(tasks: list[LinearTask], n: int) -> None:
-    """Raise InputError if a task's arrays do not fit each other and chi of length n."""
+def _intervals(tasks: list[LinearTask], n: int) -> bool:
+    """Return whether a task may have rows whose ends differ.
+
+    Raises:
+        InputError: the arrays of a task do not fit each other and chi of length n.
+    """
+    intervals = False
     for task in tasks:
         rows = task.lower.size
+        if task.upper is not task.lower:
+            intervals = True
         if task.matrix.shape != (rows, n) or task.upper.shape != (rows,):
             raise InputError(
                 f"task {task.name}: matrix {task.matrix.shape}, lower {task.lower.shape}, "
                 f"upper {task.upper.shape} do not fit chi of length {n}"
             )
+    return intervals

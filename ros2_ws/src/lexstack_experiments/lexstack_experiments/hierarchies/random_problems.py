@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from lexstack_core.bounds import Bounds
@@ -9,6 +11,25 @@ from lexstack_core.hqp import HqpProblem
 from lexstack_core.linear import LinearTask, Matrix, Vector
 
 KINDS = ("nominal", "tight", "deficient", "infeasible", "pinned")
+SINGULAR = "near-singular"
+
+
+def problems(seed: int, count: int) -> Iterator[tuple[str, HqpProblem]]:
+    """Yield ``count`` problems with their kinds: all kinds in turn, with and without inequalities.
+
+    Every tenth is near-singular; sizes are between 10 and 80 variables, small ones more often.
+    """
+    for i in range(count):
+        rng = np.random.default_rng((seed, i))
+        n = int(10.0 * 8.0 ** (rng.random() ** 1.5))
+        if i % 10 == 9:
+            rows = int(rng.integers(2, min(n - 2, 12)))
+            exponent = rng.uniform(-16.0, -2.0)
+            yield SINGULAR, near_singular(int(rng.integers(2**32)), n, rows, 10.0**exponent)
+        else:
+            kind = KINDS[i % 5]
+            levels, inequalities = int(rng.integers(1, 6)), bool(i // 10 % 2)
+            yield kind, problem(kind, int(rng.integers(2**32)), n, levels, inequalities)
 
 
 def problem(kind: str, seed: int, n: int, levels: int, inequalities: bool = False) -> HqpProblem:

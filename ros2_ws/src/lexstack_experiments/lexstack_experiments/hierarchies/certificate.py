@@ -82,12 +82,18 @@ def _gap(gradient: Vector, above: _Above, box: Box) -> float:
     """Return how much the objective can fall at most, by the best multipliers that are found."""
     # What is touched may be pressed. Where too much is touched for one solution, a linear program
     # says what is.
+    none = np.zeros(len(above.kept)), np.zeros(above.low.size)
     pressed = (box[0] > -_TOUCH) | (box[1] < _TOUCH), (above.low > -_TOUCH) | (above.high < _TOUCH)
-    gap = _bound(gradient, above, box, *_balance(gradient, above, *pressed))
-    if gap <= _TINY:
+    multipliers = _balance(gradient, above, pressed, none)
+    gap = _bound(gradient, above, box, *multipliers)
+    # Forces on what is free are chi's fault; forces that pull what is touched may be ours.
+    low, high = (np.where(pressed[0], 0.0, end) for end in box)
+    walls = (np.where(pressed[1], 0.0, end) for end in (above.low, above.high))
+    held = _Above(above.kept, above.walls, *walls)
+    if gap - _bound(gradient, held, (low, high), *multipliers) <= _TINY:
         return gap
-    pressed = _pressed(gradient, above, box)
-    return min(gap, _bound(gradient, above, box, *_balance(gradient, above, *pressed)))
+    first, pressed = _programmed(gradient, above, box)
+    return min(gap, _bound(gradient, above, box, *_balance(gradient, above, pressed, first)))
 
 
 def _bound(gradient: Vector, above: _Above, box: Box, mu: Vector, nu: Vector) -> float:
@@ -103,18 +109,25 @@ def _bound(gradient: Vector, above: _Above, box: Box, mu: Vector, nu: Vector) ->
     return float(forces[pressed] @ end[pressed])
 
 
-def _balance(gradient: Vector, above: _Above, joints: Mask, walls: Mask) -> tuple[Vector, Vector]:
-    """Return the multipliers that leave forces on no other joints and walls than these."""
+def _balance(
+    gradient: Vector, above: _Above, pressed: tuple[Mask, Mask], first: tuple[Vector, Vector]
+) -> tuple[Vector, Vector]:
+    """Return the multipliers next to the first ones that leave no force but where it may press."""
+    joints, walls = pressed
+    mu, nu = first[0].copy(), np.where(walls, first[1], 0.0)
+    rest = -(gradient + mu @ above.kept + nu @ above.walls)
     rows = np.vstack([above.kept, above.walls[walls]])
-    found = np.linalg.lstsq(rows[:, ~joints].T, -gradient[~joints], rcond=1e-13)[0]
-    nu = np.zeros(walls.size)
-    nu[walls] = found[len(above.kept) :]
-    return found[: len(above.kept)], nu
+    found = np.linalg.lstsq(rows[:, ~joints].T, rest[~joints], rcond=1e-13)[0]
+    mu += found[: mu.size]
+    nu[walls] += found[mu.size :]
+    return mu, nu
 
 
-def _pressed(gradient: Vector, above: _Above, box: Box) -> tuple[Mask, Mask]:
-    """Return which joints and walls the multipliers of the least bound press, by linear program."""
-    n, p = gradient.size, len(above.kept)
+def _programmed(
+    gradient: Vector, above: _Above, box: Box
+) -> tuple[tuple[Vector, Vector], tuple[Mask, Mask]]:
+    """Return the multipliers of the least bound by a linear program, and what they press."""
+    n, p, q = gradient.size, len(above.kept), above.low.size
     scale = float(np.abs(gradient).max(initial=0.0)) or 1.0
     sides = np.vstack([np.eye(n), above.walls])
     cost = np.concatenate([box[1], above.high, -box[0], -above.low])
@@ -126,7 +139,8 @@ def _pressed(gradient: Vector, above: _Above, box: Box) -> tuple[Mask, Mask]:
         bounds=[(None, None)] * p + [(0.0, 0.0 if no else None) for no in never],
     )
     if result.x is None:
-        return np.ones(n, dtype=bool), np.ones(above.low.size, dtype=bool)
+        every = np.ones(n, dtype=bool), np.ones(q, dtype=bool)
+        return (np.zeros(p), np.zeros(q)), every
     up, down = np.split(result.x[p:], 2)
     felt = up + down > 1e-12
-    return felt[:n], felt[n:]
+    return (scale * result.x[:p], scale * (up - down)[n:]), (felt[:n], felt[n:])

@@ -1,0 +1,197 @@
+"""The HQP solver beside its peers, on the problems of the closed loop, in one run.
+
+The problems are those that robot A solves in the paper's sequence in the ideal plant: 2 levels
+while it tracks, 3 with base targets or posture, level 1 and follow-chi in a transition. They are
+recorded in this run, twice: with the robots' limits, and with limits of a tenth, at which joints
+are at their bounds all the time. Every solver gets the same problems in the same order, with its
+last solution to start from if it can use it; the time is that of the call, stacking included.
+"""
+
+from __future__ import annotations
+
+import gc
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack_core.hqp import HqpSolver, make_solver
+from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.hierarchies.certificate import certified_excess
+from lexstack_experiments.hierarchies.peers import STRICT, WEIGHTED, installed
+from lexstack_experiments.hierarchies.recorded import Sequence, record
+from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
+from lexstack_experiments.runs import scenario_of
+
+NAME = "hqp"
+PASSES = 5
+LONGEST = 300  # problems of a sequence
+SLOWER = 10.0
+STRICT_WITHIN = 1e-6  # excess of a peer that still counts as strict, m/s or rad/s
+OURS = ("daqp", "proxqp", "quadprog")
+_US = 1e6
+_GOALS = {"follow-chi": 60.0, "base": 120.0, "posture": 120.0}  # us, of the median
+_NAMES = {"track": "2 levels", "reach_base": "base", "posture": "posture"}
+
+_COLUMNS = ("sequence", "solver", "failures", "excess", "outside", "us p50", "us p99", "us quiet")
+_NOTES = (
+    "failures: no answer, or an excess above 1e-6; excess: of a level's residual over the least",
+    "possible one (certificate of weak duality), the largest of the sequence; outside: how far chi",
+    "left the bounds. us p50, p99: over all passes; quiet: median over the problems of the fastest",
+    "pass of each. Pink has no strict levels: its costs fall by ten from level to level.",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What a solver did on a sequence.
+
+    Attributes:
+        failures: no answer, or one that is not strict.
+        excess: largest certified one.
+        outside: how far chi left the bounds.
+        times: shape (passes, problems) [us].
+    """
+
+    failures: int
+    excess: float
+    outside: float
+    times: NDArray[np.float64]
+
+    @property
+    def p50(self) -> float:
+        """Median over all passes [us]."""
+        return float(np.median(self.times))
+
+    @property
+    def strict(self) -> bool:
+        """Whether all problems were solved as a hierarchy demands."""
+        return self.failures == 0 and self.excess <= STRICT_WITHIN
+
+
+def run(options: Options) -> Results:
+    """Record, let everybody solve, and compare."""
+    resolved = scenario_of(options.config)
+    sequences = {
+        f"{_name(sequence)}{suffix}": sequence
+        for suffix, slower in (("", 1.0), (", at bounds", SLOWER))
+        for sequence in record(resolved, LONGEST, slower)
+    }
+    options.say(f"recorded {sum(len(s.problems) for s in sequences.values())} problems")
+    peers, missing = installed((*STRICT, *WEIGHTED))
+    solvers = {f"lexstack {name}": make_solver(name) for name in OURS}
+    solvers |= {peer.name: peer for peer in peers}
+    runs = {name: _measured(sequence, solvers, options) for name, sequence in sequences.items()}
+    lines = [
+        _line(name, solver, found) for name, by in runs.items() for solver, found in by.items()
+    ]
+    about = tuple(
+        (name, len(s.problems), len(s.problems[0].levels), s.pressed)
+        for name, s in sequences.items()
+    )
+    return Results(
+        NAME,
+        options.seed,
+        options.cases,
+        tuple(_figures(runs)),
+        (
+            Table(_COLUMNS, tuple(lines)),
+            Table(("sequence", "problems", "levels", "share at bounds"), about, "the problems"),
+        ),
+        {"plant": "ideal", "rate_hz": resolved.scenario.rate, "robots": 2, "slower": SLOWER},
+        (*_NOTES, *(f"Not installed, so not in the table: {name}." for name in missing)),
+    )
+
+
+def _name(sequence: Sequence) -> str:
+    """Return what a sequence is called."""
+    if sequence.blending:
+        return f"follow-chi to {sequence.stack}"
+    return _NAMES.get(sequence.stack, sequence.stack)
+
+
+def _measured(
+    sequence: Sequence, solvers: dict[str, HqpSolver], options: Options
+) -> dict[str, Run]:
+    """Return what every solver does on a sequence; the passes of the solvers take turns."""
+    times = {name: np.empty((options.cases, len(sequence.problems))) for name in solvers}
+    judged = {name: _judge(sequence, solver) for name, solver in solvers.items()}
+    gc.collect()
+    gc.disable()
+    try:
+        for number in range(options.cases):
+            for name, solver in solvers.items():
+                times[name][number] = _US * _timed(sequence, solver)
+    finally:
+        gc.enable()
+    options.say(f"{_name(sequence)}: {sequence.pressed:.0%} at bounds")
+    return {name: Run(*judged[name], times[name]) for name in solvers}
+
+
+def _timed(sequence: Sequence, solver: HqpSolver) -> NDArray[np.float64]:
+    """Return the wall time of each problem [s], warm from the one before."""
+    times, warm = np.empty(len(sequence.problems)), None
+    for k, problem in enumerate(sequence.problems):
+        begun = perf_counter()
+        warm = solver.solve(problem, warm)
+        times[k] = perf_counter() - begun
+    return times
+
+
+def _judge(sequence: Sequence, solver: HqpSolver) -> tuple[int, float, float]:
+    """Return failures, largest excess and largest way out of the bounds; it warms up, too."""
+    failures, largest, outside, warm = 0, 0.0, 0.0, None
+    for problem in sequence.problems:
+        warm = solver.solve(problem, warm)
+        chi = warm.chi
+        if not (warm.solved and np.isfinite(chi).all()):
+            failures += 1
+            continue
+        lower, upper = problem.bounds.lower, problem.bounds.upper
+        outside = max(outside, float(np.max([lower - chi, chi - upper])))
+        excess = max(certified_excess(problem, np.minimum(np.maximum(chi, lower), upper)))
+        failures += excess > STRICT_WITHIN
+        largest = max(largest, excess)
+    return failures, largest, outside
+
+
+def _line(name: str, solver: str, found: Run) -> tuple[Cell, ...]:
+    """Return a row of the table."""
+    quiet = float(np.median(found.times.min(axis=0)))
+    p99 = float(np.percentile(found.times, 99))
+    excess, outside = f"{found.excess:.1e}", f"{found.outside:.1e}"
+    return name, solver, found.failures, excess, outside, found.p50, p99, quiet
+
+
+def _figures(runs: dict[str, dict[str, Run]]) -> list[Figure]:
+    """Return what the default solver is to reach, beside the fastest strict peer."""
+    default = f"lexstack {OURS[0]}"
+    figures = [
+        Figure(
+            "Failures of the default solver",
+            sum(by[default].failures for by in runs.values()),
+            "",
+            Goal("==", 0.0),
+        ),
+        Figure(
+            "Excess of the default solver",
+            max(by[default].excess for by in runs.values()),
+            "m/s, rad/s",
+            Goal("<=", 1e-8),
+        ),
+    ]
+    for name, by in runs.items():
+        peers = {k: r.p50 for k, r in by.items() if not k.startswith("lexstack") and r.strict}
+        fastest = min(peers, key=lambda key: peers[key], default="")
+        peer = Peer(fastest, peers[fastest]) if fastest else None
+        limit = next((us for key, us in _GOALS.items() if name.startswith(key)), 0.0)
+        allowed = max(limit, 1.5 * peers[fastest] if fastest else 0.0)
+        goal = Goal("<=", allowed) if allowed else None
+        figures.append(Figure(f"{name}: p50", by[default].p50, "us", goal, "", peer))
+    return figures
+
+
+EXPERIMENT = Experiment(
+    "the HQP solver beside its peers, on recorded problems", "passes", PASSES, run
+)

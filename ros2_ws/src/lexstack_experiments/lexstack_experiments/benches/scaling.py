@@ -1,0 +1,143 @@
+"""What N robots cost: the whole tick of robot A, and the HQP alone, for 2 to 32 of them.
+
+N mobile manipulators beside each other change their stack from `track` to `reach_base`, all at
+once. Nothing couples them, so the cost is to grow with N and not with its cube. The clustered
+solution is held against the dense one on the same problems.
+"""
+
+from __future__ import annotations
+
+import gc
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from lexstack_core.build import Parts, build_controller
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.config.scenario import EventConfig
+from lexstack_core.hqp import make_solver
+from lexstack_core.hqp.daqp_cascade import DaqpCascade
+from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.hierarchies.recorded import record
+from lexstack_experiments.replay import Tape
+from lexstack_experiments.results import Figure, Goal, Results, Table
+from lexstack_experiments.runs import changed, scenario_of
+
+NAME = "scaling"
+ROBOTS = (2, 4, 8, 16, 32)
+PASSES = 7
+_GOALS = {8: 4.5, 32: 20.0}  # times the cost of two robots
+_SAME = 1e-6  # m/s, rad/s
+_US = 1e6
+_DURATION, _SWITCH, _BLEND = 0.8, 0.2, 0.3  # s
+
+_NOTES = (
+    "Medians over all ticks of a run of 0.8 s with a switch in it; x 2 robots: the median over the",
+    "passes of the ratio in one pass. dense: chi of the clustered solver against one solve of all",
+    "joints together, on the recorded problems.",
+)
+
+
+@dataclass(slots=True)
+class _Case:
+    """A team with what it is to be measured on."""
+
+    resolved: ResolvedScenario
+    tape: Tape
+    difference: float
+
+
+def team_of(resolved: ResolvedScenario, count: int) -> ResolvedScenario:
+    """Return a short scenario for ``count`` robots of the first robot's kind, 2 m apart."""
+    place = next(iter(resolved.scenario.robots.values()))
+    names = [f"robot_{i + 1}" for i in range(count)]
+    return changed(
+        resolved,
+        robots={name: replace(place, base=(2.0 * i, 0.0, 0.0)) for i, name in enumerate(names)},
+        base_target={name: (2.0 * i, -0.5, 0.0) for i, name in enumerate(names)},
+        events=(EventConfig(at=_SWITCH, switch="reach_base", duration=_BLEND),),
+        duration=_DURATION,
+    )
+
+
+def run(options: Options) -> Results:
+    """Measure all sizes in turns, so that what disturbs one disturbs all."""
+    base = scenario_of(options.config)
+    cases = {}
+    for count in ROBOTS:
+        resolved = team_of(base, count)
+        cases[count] = _Case(resolved, Tape.of(resolved), _difference(resolved))
+        options.say(f"{count} robots: recorded")
+    ticks = {count: np.empty(options.cases) for count in ROBOTS}
+    solves = {count: np.empty(options.cases) for count in ROBOTS}
+    for number in range(options.cases + 1):
+        for count, case in cases.items():
+            tick, solve = _tick(case), _solve(case)
+            if number:  # the first one warms up
+                ticks[count][number - 1], solves[count][number - 1] = tick, solve
+        options.say(f"pass {number} of {options.cases}")
+    lines, figures = [], []
+    for count, case in cases.items():
+        ratios = [float(np.median(t[count] / t[ROBOTS[0]])) for t in (ticks, solves)]
+        lines.append(
+            (
+                count,
+                float(np.median(ticks[count])),
+                ratios[0],
+                float(np.median(solves[count])),
+                ratios[1],
+                f"{case.difference:.1e}",
+            )
+        )
+        if count in _GOALS:
+            goal = Goal("<=", _GOALS[count])
+            figures += [
+                Figure(f"{what}, {count} robots over {ROBOTS[0]}", ratio, "x", goal)
+                for what, ratio in zip(("whole tick", "HQP"), ratios, strict=True)
+            ]
+    apart = max(case.difference for case in cases.values())
+    figures.append(Figure("chi against the dense solution", apart, "m/s, rad/s", Goal("<=", _SAME)))
+    columns = ("robots", "tick us", "tick, x 2 robots", "HQP us", "HQP, x 2 robots", "dense")
+    return Results(
+        NAME,
+        options.seed,
+        options.cases,
+        tuple(figures),
+        (Table(columns, tuple(lines)),),
+        {"plant": "ideal", "rate_hz": base.scenario.rate, "joints_per_robot": 10},
+        _NOTES,
+    )
+
+
+def _tick(case: _Case) -> float:
+    """Return the median time of a tick of robot A [us]."""
+    controller = build_controller(case.resolved, Parts.of(case.resolved))
+    return _US * float(np.median(case.tape.play(controller)[0]))
+
+
+def _solve(case: _Case) -> float:
+    """Return the median time of a solve on the case's problems [us]."""
+    solver = make_solver(case.resolved.scenario.solver)
+    times, warm = [], None
+    sequences = record(case.resolved, 10**6)
+    gc.collect()
+    gc.disable()
+    try:
+        for problem in [p for sequence in sequences for p in sequence.problems]:
+            begun = perf_counter()
+            warm = solver.solve(problem, warm)
+            times.append(perf_counter() - begun)
+    finally:
+        gc.enable()
+    return _US * float(np.median(times))
+
+
+def _difference(resolved: ResolvedScenario) -> float:
+    """Return how far the clustered chi is from the dense one, on every fifth problem."""
+    clustered, dense = make_solver(resolved.scenario.solver), DaqpCascade()
+    problems = [p for sequence in record(resolved, 10**6) for p in sequence.problems][::5]
+    return max(float(np.abs(clustered.solve(p).chi - dense.solve(p).chi).max()) for p in problems)
+
+
+EXPERIMENT = Experiment("what N robots cost, whole tick and HQP", "passes", PASSES, run)

@@ -1,0 +1,93 @@
+"""Whether priorities are strict: random hierarchies, every solver, certified excess of each level.
+
+The excess of a level is what its residual exceeds the least one by that is possible without a
+change of the levels above. It is certified (`hierarchies/certificate.py`): no solver is trusted,
+and none is compared with another.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lexstack_core.hqp import HqpSolver
+from lexstack_core.hqp.daqp_cascade import DaqpCascade
+from lexstack_core.hqp.proxqp_cascade import ProxqpCascade
+from lexstack_core.hqp.quadprog_cascade import QuadprogCascade
+from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.hierarchies.peers import STRICT, installed
+from lexstack_experiments.hierarchies.random_problems import SINGULAR, problems
+from lexstack_experiments.hierarchies.score import Score, score
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+
+NAME = "strictness"
+PROBLEMS = 2400
+GOAL, SINGULAR_GOAL = 1e-8, 1e-5  # in the unit of a level
+_US = 1e6
+
+_NOTES = (
+    "Excess of a level: its residual minus the least possible one, by a certificate of weak",
+    "duality; the largest of all levels and problems that were solved. Half of the problems have",
+    "inequality rows; 10 to 80 variables, 1 to 5 levels. Near-singular: the least singular value",
+    "of level 1 is 1e-2 to 1e-16. Outside: how far chi left the bounds.",
+)
+
+
+def run(options: Options) -> Results:
+    """Score our solvers and the peers on the same problems."""
+    ours: list[HqpSolver] = [
+        DaqpCascade(),
+        DaqpCascade(guesses=False),
+        ProxqpCascade(guesses=False),
+        QuadprogCascade(guesses=False),
+    ]
+    words = ["daqp (default)", "daqp, every level", "proxqp, every level", "quadprog, every level"]
+    peers, missing = installed(STRICT)
+    lines, figures = [], []
+    for solver, name in zip([*ours, *peers], [*words, *(p.name for p in peers)], strict=True):
+        scores = score(solver, problems(options.seed, options.cases))
+        lines += [_line(name, kind, part) for kind, part in scores.items()]
+        options.say(f"{name}: {sum(part.failures for part in scores.values())} failures")
+        if solver is ours[0]:
+            figures = _figures(scores)
+    notes = (*_NOTES, *(f"Not installed, so not in the table: {name}." for name in missing))
+    columns = ("solver", "problems", "number", "failures", "excess", "outside", "us p50", "us p99")
+    return Results(
+        NAME,
+        options.seed,
+        options.cases,
+        tuple(figures),
+        (Table(columns, tuple(lines)),),
+        {"variables": "10 to 80", "levels": "1 to 5"},
+        notes,
+    )
+
+
+def _line(name: str, kind: str, part: Score) -> tuple[Cell, ...]:
+    """Return a row of the table."""
+    times = _US * np.array(part.times or [np.nan])
+    p50, p99 = (float(np.percentile(times, q)) for q in (50, 99))
+    excess, outside = f"{part.excess:.1e}", f"{max(part.outside, 0.0):.1e}"
+    return name, kind, len(part.times), part.failures, excess, outside, p50, p99
+
+
+def _figures(scores: dict[str, Score]) -> list[Figure]:
+    """Return what the default solver is to reach."""
+    failures = sum(part.failures for part in scores.values())
+    worst = max(part.excess for kind, part in scores.items() if kind != SINGULAR)
+    outside = max(part.outside for part in scores.values())
+    return [
+        Figure("Failures of the default solver", failures, "", Goal("==", 0.0)),
+        Figure("Excess of the default solver", worst, "m/s, rad/s", Goal("<=", GOAL)),
+        Figure(
+            "Its excess next to singularities",
+            scores[SINGULAR].excess,
+            "m/s, rad/s",
+            Goal("<=", SINGULAR_GOAL),
+        ),
+        Figure("How far it left the bounds", max(outside, 0.0), "m/s, rad/s", Goal("==", 0.0)),
+    ]
+
+
+EXPERIMENT = Experiment(
+    "strict priorities on random problems, all solvers", "problems", PROBLEMS, run
+)

@@ -1,0 +1,1 @@
+"""Hierarchical problems to measure solvers with: random and recorded, a certificate, peers."""

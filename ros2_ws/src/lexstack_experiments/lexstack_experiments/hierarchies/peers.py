@@ -1,0 +1,321 @@
+"""What others would use for the same problem: cascades on their libraries, and one with weights.
+
+A cascade as it is usually written: level k minimises ``||A_k chi - b_k||`` with the optimum of the
+levels above as equality rows, T(11), the bounds as bounds, and the library's chi taken as it is.
+An inequality row takes a slack. All libraries get the same care: double precision limits, a
+proximal term where they need a definite H, no printing, no checks that cost time.
+
+DAQP's hierarchical mode takes all levels in one call. Pink, the library that users of weights
+would pick, gets the levels as tasks whose costs fall by ten from level to level.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from time import perf_counter
+from typing import Any, Protocol
+
+import daqp
+import numpy as np
+import pinocchio
+import quadprog
+from proxsuite import proxqp
+
+from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, Status
+from lexstack_core.hqp.rows import Hierarchy
+from lexstack_core.linear import Matrix, Vector
+
+_PROXIMAL = 1e-9  # of a trace of about 1
+_NONE = np.zeros(0, dtype=np.int8)
+
+
+class Library(Protocol):
+    """A call of a library for one level."""
+
+    name: str
+
+    def __call__(
+        self, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
+    ) -> Vector | str:
+        """Return x, which minimises x'Hx/2 + f'x with its bounds first, then rows; or why not."""
+        ...
+
+
+class EqualityCascade:
+    """A cascade whose levels keep those above by equality rows."""
+
+    def __init__(self, library: Library) -> None:
+        """Solve each level with a library."""
+        self.name = f"{library.name} cascade"
+        self._library = library
+
+    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
+        """Solve all levels in order; the last one that was solved if one fails."""
+        begun = perf_counter()
+        bounds = problem.bounds
+        n = bounds.lower.size
+        hierarchy = Hierarchy(problem.levels, n)
+        chi, reason = np.clip(np.zeros(n), bounds.lower, bounds.upper), ""
+        kept: list[tuple[Matrix, Vector, Vector]] = []
+        for k, level in enumerate(hierarchy.levels):
+            soft = np.flatnonzero(~level.equal)
+            found = self._library(*_level(level, soft, kept, (bounds.lower, bounds.upper)))
+            if isinstance(found, str):
+                reason = f"level {k}: {found}"
+                break
+            chi = found[:n]
+            value = level.matrix @ chi
+            lower, upper = value.copy(), value.copy()
+            lower[soft] = np.minimum(level.lower[soft], value[soft])
+            upper[soft] = np.maximum(level.upper[soft], value[soft])
+            kept.append((level.matrix, lower, upper))
+        slacks = hierarchy.slacks(hierarchy.residual(chi))
+        return _solution(chi, slacks, reason, begun)
+
+
+def _level(
+    level: Any, soft: Any, kept: list[tuple[Matrix, Vector, Vector]], bounds: tuple[Vector, Vector]
+) -> tuple[Matrix, Vector, Matrix, Vector, Vector]:
+    """Return H, f, rows and all limits of a level, with one more variable per inequality row."""
+    n, s = level.matrix.shape[1], soft.size
+    scale = 1.0 / (level.norm * level.norm)
+    equal = level.matrix if not s else level.matrix[level.equal]
+    target = level.lower if not s else level.lower[level.equal]
+    hessian = np.zeros((n + s, n + s))
+    hessian[:n, :n] = scale * (equal.T @ equal)
+    hessian[n:, n:] = scale * np.eye(s)
+    hessian[np.diag_indices(n + s)] += _PROXIMAL
+    gradient = np.concatenate((-scale * (target @ equal), np.zeros(s)))
+    rows = [np.hstack((matrix, np.zeros((len(matrix), s)))) for matrix, _, _ in kept]
+    rows.append(np.hstack((level.matrix[soft], -np.eye(s))))
+    far = np.full(s, np.inf)
+    lower = np.concatenate([bounds[0], -far, *(low for _, low, _ in kept), level.lower[soft]])
+    upper = np.concatenate([bounds[1], far, *(high for _, _, high in kept), level.upper[soft]])
+    return hessian, gradient, np.concatenate(rows), lower, upper
+
+
+class DaqpHierarchy:
+    """DAQP's hierarchical mode: all levels in one call."""
+
+    name = "DAQP hierarchical"
+
+    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
+        """Solve all levels; breaks between the levels are rows from which a new one begins."""
+        begun = perf_counter()
+        bounds = problem.bounds
+        hierarchy = Hierarchy(problem.levels, bounds.lower.size)
+        n = bounds.lower.size
+        ends = [n, *(n + level.part.stop for level in hierarchy.levels)]
+        lower = np.concatenate((bounds.lower, hierarchy.lower))
+        upper = np.concatenate((bounds.upper, hierarchy.upper))
+        x, _, flag, _ = daqp.solve(
+            None,
+            None,
+            hierarchy.matrix,
+            upper,
+            lower,
+            np.zeros(lower.size, dtype=np.intc),
+            np.array(ends, dtype=np.intc),
+            primal_tol=1e-9,
+        )
+        reason = "" if flag > 0 else f"exit flag {flag}"
+        slacks = hierarchy.slacks(hierarchy.residual(x))
+        return _solution(x, slacks, reason, begun)
+
+
+class Quadprog:
+    """quadprog: the dual method of Goldfarb and Idnani."""
+
+    name = "quadprog"
+
+    def __call__(
+        self, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
+    ) -> Vector | str:
+        """Solve with equal limits as its equality rows."""
+        whole = np.concatenate((np.eye(gradient.size), rows))
+        equal = lower == upper
+        low, high = ~equal & (lower > -np.inf), ~equal & (upper < np.inf)
+        stacked = np.concatenate((whole[equal], whole[low], -whole[high]))
+        ends = np.concatenate((lower[equal], lower[low], -upper[high]))
+        try:
+            x: Vector = quadprog.solve_qp(
+                hessian, -gradient, stacked.T, ends, int(np.count_nonzero(equal))
+            )[0]
+        except ValueError as error:
+            return str(error)
+        return x
+
+
+class Piqp:
+    """PIQP: a proximal interior-point method, dense."""
+
+    name = "PIQP"
+
+    def __init__(self) -> None:
+        """Import it; raises ImportError where it is not installed."""
+        self._piqp = import_module("piqp")
+
+    def __call__(
+        self, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
+    ) -> Vector | str:
+        """Solve with equal limits as its equality rows."""
+        n = gradient.size
+        solver = self._piqp.DenseSolver()
+        solver.settings.eps_abs, solver.settings.eps_rel = 1e-9, 0.0
+        equal = lower[n:] == upper[n:]
+        other = ~equal
+        some = other.any()
+        solver.setup(
+            hessian,
+            gradient,
+            rows[equal],
+            lower[n:][equal],
+            rows[other] if some else None,
+            lower[n:][other] if some else None,
+            upper[n:][other] if some else None,
+            lower[:n],
+            upper[:n],
+        )
+        status = solver.solve()
+        if status != self._piqp.PIQP_SOLVED:
+            return str(status).rsplit(".", maxsplit=1)[-1]
+        x: Vector = solver.result.x.copy()
+        return x
+
+
+class Proxqp:
+    """ProxQP: a proximal augmented Lagrangian method, dense."""
+
+    name = "ProxQP"
+
+    def __call__(
+        self, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
+    ) -> Vector | str:
+        """Solve with equal limits as its equality rows, bounds as its box."""
+        n = gradient.size
+        equal = lower[n:] == upper[n:]
+        other = ~equal
+        solver = proxqp.dense.QP(
+            n, int(np.count_nonzero(equal)), int(np.count_nonzero(other)), True
+        )
+        solver.settings.eps_abs, solver.settings.eps_rel = 1e-9, 0.0
+        solver.settings.max_iter = 200
+        parts = (rows[equal], lower[n:][equal], rows[other], lower[n:][other], upper[n:][other])
+        solver.init(hessian, gradient, *parts, lower[:n], upper[:n])
+        solver.solve()
+        status = solver.results.info.status
+        if status != proxqp.QPSolverOutput.PROXQP_SOLVED:
+            return str(status.name)
+        x: Vector = solver.results.x.copy()
+        return x
+
+
+class Daqp:
+    """DAQP's one-shot call."""
+
+    name = "DAQP"
+
+    def __call__(
+        self, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
+    ) -> Vector | str:
+        """Solve with equal limits marked as equalities."""
+        sense = np.where(lower == upper, 5, 0).astype(np.intc)
+        x, _, flag, _ = daqp.solve(
+            hessian, gradient, rows, upper, lower, sense, primal_tol=1e-9, eps_prox=0.0
+        )
+        return x if flag > 0 else f"exit flag {flag}"
+
+
+class Pink:
+    """Pink's ``solve_ik`` with the levels as weighted tasks: not strict."""
+
+    name = "Pink, weighted"
+
+    def __init__(self) -> None:
+        """Import it; raises ImportError where it is not installed."""
+        self._pink = import_module("pink")
+        self._configurations: dict[int, Any] = {}
+
+    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
+        """Solve with costs 1, 0.1, 0.01, ... for the levels (equality rows only)."""
+        begun = perf_counter()
+        n = problem.bounds.lower.size
+        if n not in self._configurations:
+            self._configurations[n] = self._slides(n)
+        hierarchy = Hierarchy(problem.levels, n)
+        tasks = [
+            _PinkTask(level.matrix, level.lower, 10.0**-k)
+            for k, level in enumerate(hierarchy.levels)
+        ]
+        limit = _PinkLimit(problem.bounds.lower, problem.bounds.upper)
+        reason = ""
+        try:
+            chi = self._pink.solve_ik(
+                self._configurations[n], tasks, 1.0, "quadprog", limits=[limit], safety_break=False
+            )
+        except self._pink.exceptions.PinkError as error:
+            chi, reason = np.zeros(n), f"{error}".splitlines()[0]
+        slacks = hierarchy.slacks(hierarchy.residual(chi))
+        return _solution(chi, slacks, reason, begun)
+
+    def _slides(self, n: int) -> Any:
+        """Return a configuration of n independent joints: the Jacobians come with the tasks."""
+        model = pinocchio.Model()
+        for i in range(n):
+            place = pinocchio.SE3.Identity()
+            model.addJoint(0, pinocchio.JointModelPX(), place, f"joint_{i}")
+        return self._pink.Configuration(model, model.createData(), np.zeros(n))
+
+
+class _PinkTask:
+    """What ``solve_ik`` asks of a task, for a matrix and a target."""
+
+    def __init__(self, matrix: Matrix, target: Vector, cost: float) -> None:
+        self._matrix, self._target, self._weight = matrix, target, cost * cost
+
+    def compute_qp_objective(self, _configuration: Any) -> tuple[Matrix, Vector]:
+        """Return H and c, as pink's own tasks do."""
+        weighted = self._weight * self._matrix.T
+        return weighted @ self._matrix, -weighted @ self._target
+
+
+class _PinkLimit:
+    """What ``solve_ik`` asks of a limit, for a box."""
+
+    def __init__(self, lower: Vector, upper: Vector) -> None:
+        unit = np.eye(lower.size)
+        self._rows, self._ends = np.vstack((unit, -unit)), np.concatenate((upper, -lower))
+
+    def compute_qp_inequalities(self, _configuration: Any, _dt: float) -> tuple[Matrix, Vector]:
+        """Return G and h."""
+        return self._rows, self._ends
+
+
+def _solution(chi: Vector, slacks: Vector, reason: str, begun: float) -> Solution:
+    """Return a peer's answer as ours are."""
+    status = Status.FAILED if reason else Status.SOLVED
+    return Solution(chi, slacks, status, reason, _NONE, perf_counter() - begun)
+
+
+STRICT: tuple[Callable[[], HqpSolver], ...] = (
+    DaqpHierarchy,
+    lambda: EqualityCascade(Daqp()),
+    lambda: EqualityCascade(Quadprog()),
+    lambda: EqualityCascade(Piqp()),
+    lambda: EqualityCascade(Proxqp()),
+)
+WEIGHTED: tuple[Callable[[], HqpSolver], ...] = (Pink,)
+
+
+def installed(
+    peers: tuple[Callable[[], HqpSolver], ...],
+) -> tuple[list[HqpSolver], list[str]]:
+    """Return the peers that can be imported, and the names of the packages that are missing."""
+    found, missing = [], []
+    for make in peers:
+        try:
+            found.append(make())
+        except ImportError as error:
+            missing.append(error.name or str(error))
+    return found, missing

@@ -1,0 +1,88 @@
+"""The problems that robot A solves in a closed loop, tick by tick, in the order of the ticks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lexstack_core.bounds import JointLimits
+from lexstack_core.build import Parts, build_controller
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, make_solver
+from lexstack_core.transition.status import Source
+from lexstack_experiments.ideal import IdealPlant
+from lexstack_experiments.loop import Loop
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """Problems of consecutive ticks.
+
+    Attributes:
+        stack: that was in effect.
+        blending: whether A followed a source; it then solves level 1 and follow-chi.
+        problems: in the order of the ticks.
+        pressed: the share of them whose optimum has a joint at its bound.
+    """
+
+    stack: str
+    blending: bool
+    problems: tuple[HqpProblem, ...]
+    pressed: float
+
+
+class _Listening:
+    """A solver that keeps what it is given and what it returns."""
+
+    def __init__(self, inner: HqpSolver, log: list[tuple[HqpProblem, Solution]]) -> None:
+        """Write what ``inner`` solves to ``log``."""
+        self.name = inner.name
+        self._inner = inner
+        self._log = log
+
+    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
+        """Solve as the solver inside does."""
+        solution = self._inner.solve(problem, warm)
+        self._log.append((problem, solution))
+        return solution
+
+
+def record(resolved: ResolvedScenario, longest: int, slower: float = 1.0) -> tuple[Sequence, ...]:
+    """Return the sequences of a scenario in the ideal plant, each once, in the order of its ticks.
+
+    Args:
+        resolved: the scenario.
+        longest: ticks of a sequence that are kept, from its first one on.
+        slower: velocity and acceleration limits are divided by this, so that bounds hold.
+    """
+    parts = Parts.of(resolved)
+    limits = parts.team.limits
+    parts.team.limits = JointLimits(
+        limits.position_lower,
+        limits.position_upper,
+        limits.velocity / slower,
+        limits.acceleration / slower,
+        limits.jerk,
+    )
+    log: list[tuple[HqpProblem, Solution]] = []
+    solver = resolved.scenario.solver
+    controller = build_controller(resolved, parts, lambda: _Listening(make_solver(solver), log))
+    loop = Loop(resolved, IdealPlant(resolved, parts.team), controller)
+    found: dict[tuple[str, bool], list[tuple[HqpProblem, Solution]]] = {}
+    for _ in range(round(resolved.scenario.duration * resolved.scenario.rate)):
+        log.clear()
+        command = loop.step()
+        # What A solves as its own stand-in for B comes before, or has another box.
+        own = [pair for pair in log if pair[0].bounds is command.bounds][-1]
+        key = command.stack, command.transition.source is not Source.NONE
+        found.setdefault(key, []).append(own)
+    return tuple(
+        Sequence(
+            stack,
+            blending,
+            tuple(problem for problem, _ in pairs[:longest]),
+            float(np.mean([bool(solution.active.any()) for _, solution in pairs[:longest]])),
+        )
+        for (stack, blending), pairs in found.items()
+    )

@@ -1,0 +1,51 @@
+"""What a solver makes of many problems: failures, certified excess, time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from lexstack_core.hqp import HqpProblem, HqpSolver
+from lexstack_core.hqp.oracle import lexicographic_oracle
+from lexstack_experiments.hierarchies.certificate import certified_excess
+from lexstack_experiments.hierarchies.random_problems import SINGULAR
+
+
+@dataclass(slots=True)
+class Score:
+    """What a solver did on the problems of one kind."""
+
+    excess: float = 0.0
+    outside: float = 0.0
+    failures: int = 0
+    times: list[float] = field(default_factory=list)
+
+    def add(self, given: HqpProblem, solver: HqpSolver, singular: bool) -> None:
+        """Solve a problem and count; next to a singularity the excess is that of level 1."""
+        solution = solver.solve(given)
+        self.times.append(solution.solve_time)
+        chi = solution.chi
+        if not (solution.solved and np.isfinite(chi).all()):
+            self.failures += 1
+            return
+        lower, upper = given.bounds.lower, given.bounds.upper
+        self.outside = max(self.outside, float(np.max([lower - chi, chi - upper])))
+        if singular:
+            # The certificate takes the objective as linear over the box, which is far from true
+            # where a level hardly feels a direction: here level 1 is solved by bounded least
+            # squares. The levels below feel its rounding, divided by what is almost zero.
+            (least,) = lexicographic_oracle(HqpProblem(given.levels[:1], given.bounds))
+            found = [float(solution.slacks[0]) - least.optimum]
+        else:
+            found = certified_excess(given, np.minimum(np.maximum(chi, lower), upper))
+        self.excess = max([self.excess, *found])
+
+
+def score(solver: HqpSolver, given: Iterable[tuple[str, HqpProblem]]) -> dict[str, Score]:
+    """Return a solver's score by kind of problem."""
+    scores: dict[str, Score] = {}
+    for kind, whole in given:
+        scores.setdefault(kind, Score()).add(whole, solver, kind == SINGULAR)
+    return scores
