@@ -53,15 +53,17 @@ def start(command: list[str], environment: dict[str, str]) -> subprocess.Popen[s
     )
 
 
-def recorder_command(output: Path, scenario: Path) -> list[str]:
-    parameters = ["-p", f"output:={output}", "-p", f"scenario:={scenario}"]
-    return ["-m", "lexstack_ros.nodes.recorder", "--ros-args", *parameters]
+def recorder_command(output: Path, scenario: Path, **values: object) -> list[str]:
+    given = {"output": output, "scenario": scenario, **values}
+    pairs = [word for key, value in given.items() for word in ("-p", f"{key}:={value}")]
+    return ["-m", "lexstack_ros.nodes.recorder", "--ros-args", *pairs]
 
 
 @pytest.fixture
-def recorder(tmp_path, scenario, environment) -> Iterator[subprocess.Popen[str]]:
-    """A recorder that has said that it is ready."""
-    process = start(recorder_command(tmp_path / "bag", scenario), environment)
+def recorder(request, tmp_path, scenario, environment) -> Iterator[subprocess.Popen[str]]:
+    """A recorder that has said that it is ready; a test may give parameters."""
+    values = getattr(request, "param", {})
+    process = start(recorder_command(tmp_path / "bag", scenario, **values), environment)
     assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
     yield process
@@ -129,6 +131,70 @@ def test_a_killed_recorder_leaves_a_readable_bag(recorder, sent, tmp_path):
     assert not run.complete
     assert run.lost == 0
     assert COUNT // 2 < len(run.plant.tick) <= COUNT
+
+
+@pytest.mark.parametrize(
+    "recorder",
+    [
+        {"storage_preset_profile": preset, "max_bag_size": 60_000}
+        for preset in ("none", "fastwrite", "zstd_fast")
+    ],
+    indirect=True,
+    ids=lambda values: values["storage_preset_profile"],
+)
+def test_a_kill_leaves_a_readable_bag_also_split_and_compressed(recorder, sent, tmp_path):
+    time.sleep(1.2)
+    recorder.kill()
+    recorder.communicate(timeout=20)
+    assert len(list((tmp_path / "bag").glob("bag_*.mcap"))) > 2
+    run = read_run(tmp_path / "bag")
+    assert not run.complete
+    assert run.lost == 0
+    assert COUNT // 2 < len(run.plant.tick) <= COUNT
+
+
+@pytest.mark.parametrize(
+    "recorder",
+    [{"regex": '"state|chi$|found"', "exclude_topics": "/robot_a/chi", "max_bag_duration": 0.2}],
+    indirect=True,
+)
+def test_topics_are_selected_and_files_split_by_time(recorder, sent, tmp_path):
+    recorder.send_signal(signal.SIGINT)
+    _, log = recorder.communicate(timeout=20)
+    assert "/robot_a/chi is left out: the bag cannot be analysed" in log
+    with AnyReader([tmp_path / "bag"]) as reader:
+        counts = {c.topic: c.msgcount for c in reader.connections}
+        seen = sum(1 for _ in reader.messages())
+    assert counts == {topic: sent[topic] for topic in ("/plant/state", "/found/by/itself")}
+    assert seen == sum(counts.values())
+    information = yaml.safe_load((tmp_path / "bag/metadata.yaml").read_text())
+    files = information["rosbag2_bagfile_information"]["files"]
+    assert len(files) > 2
+    assert all(entry["duration"]["nanoseconds"] <= 0.2e9 for entry in files)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"storage_preset_profile": "zip"}, "unknown storage preset 'zip'; known: default, none"),
+        ({"max_bag_size": 10}, "max_bag_size: must be 0 (no split) or at least 1024 bytes"),
+        ({"max_bag_size": -5}, "max_bag_size"),
+        ({"max_bag_size": "many"}, "max_bag_size"),
+        ({"max_bag_duration": -1.0}, "max_bag_duration"),
+        ({"regex": '"("'}, "regex: '(': missing )"),
+        ({"topics": "clock"}, "topics: a topic begins with /, got 'clock'"),
+        ({"expected_topics": "/a"}, "expected_topics: expected NAME:TYPE"),
+    ],
+)
+def test_a_wrong_option_is_one_line_and_exit_code_2(
+    tmp_path, scenario, environment, values, message
+):
+    process = start(recorder_command(tmp_path / "bag", scenario, **values), environment)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 2
+    assert message in err.strip().splitlines()[-1]
+    assert "Traceback" not in err
+    assert not (tmp_path / "bag").exists()
 
 
 def test_a_bag_is_never_overwritten(tmp_path, scenario, environment):

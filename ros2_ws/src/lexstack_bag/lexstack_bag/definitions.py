@@ -8,6 +8,8 @@ import sys
 from functools import cache
 from pathlib import Path
 
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
 from lexstack_bag.errors import BagError
 
 _SEPARATOR = "=" * 80
@@ -40,6 +42,17 @@ def message_definition(type_name: str) -> str:
     return first[1] + "".join(
         f"\n{_SEPARATOR}\nMSG: {name.replace('/msg/', '/')}\n{text}" for name, text in rest
     )
+
+
+@cache
+def type_hash(type_name: str) -> str:
+    """Return the installed type's hash, ``RIHS01_...``; raises BagError.
+
+    Two types of one name have the same hash where their fields are the same.
+    """
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(message_definition(type_name), type_name))
+    return str(store.hash_rihs01(type_name))
 
 
 def _message_text(type_name: str) -> str:

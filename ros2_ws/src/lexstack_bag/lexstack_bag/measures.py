@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lexstack_bag.container import Progress
 from lexstack_bag.limits import limits_in_force
 from lexstack_bag.references import references_in_effect
 from lexstack_bag.run import Run
@@ -40,15 +41,14 @@ class Measures:
     jerk_ratio: Matrix  # (K, n) |jerk| / limit in force; nan after a gap in the ticks
 
 
-def measure(run: Run) -> Measures:
+def measure(run: Run, progress: Progress = lambda _part: None) -> Measures:
     """Return the time series of a run; runs forward kinematics for every tick."""
     team = run.team()
     q, time = run.plant.q, run.plant.stamp
-    ee = np.array([[pose.position for pose in team.tools(row)] for row in q])
+    ee = _tools(team, q, progress)
     base = np.stack([q[:, part][:, :3] for part in team.slices], axis=1)
     references = references_in_effect(run, team)
-    ee_target = np.array([[pose.position for pose in now.ee] for now in references])
-    base_target = np.array([now.base for now in references])
+    ee_target, base_target = _positions(references, len(team.robots))
     yaw = base[:, :, 2] - base_target[:, :, 2]
     acceleration, jerk = _ratios(run, team)
     return Measures(
@@ -65,6 +65,29 @@ def measure(run: Run) -> Measures:
         acceleration,
         jerk,
     )
+
+
+def _tools(team: Team, q: Matrix, progress: Progress) -> NDArray[np.float64]:
+    """Return the positions of the tools at every row of q, shape (T, N, 3) [m]."""
+    found = np.empty((len(q), len(team.robots), 3))
+    for tick, row in enumerate(q):
+        for robot, pose in enumerate(team.tools(row)):
+            found[tick, robot] = pose.position
+        progress((tick + 1) / len(q))
+    return found
+
+
+def _positions(
+    references: tuple[References, ...], robots: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the targets of tools [m] and bases [m, m, rad], shape (T, N, 3) each."""
+    ee, base = (np.empty((len(references), robots, 3)) for _ in range(2))
+    for tick, now in enumerate(references):
+        if tick and now is references[tick - 1]:  # they change seldom
+            ee[tick], base[tick] = ee[tick - 1], base[tick - 1]
+        else:
+            ee[tick], base[tick] = [pose.position for pose in now.ee], now.base
+    return ee, base
 
 
 def _ratios(run: Run, team: Team) -> tuple[Matrix, Matrix]:

@@ -17,6 +17,7 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
 from lexstack_bag.container import Container, RawMessage
+from lexstack_bag.definitions import type_hash
 from lexstack_bag.errors import BagError
 from lexstack_bag.reader import PLANT_STATE, Decoder
 from lexstack_bag.replay.outcome import Outcome, joints_of
@@ -32,6 +33,7 @@ from lexstack_ros.recording import message_class
 NAME = "replay"
 _SETTLED = 1.0  # s for which all connections must have been there
 _NS = 1e9
+_UNANSWERED = 0.002  # s after a state that nobody answers: a live node shall keep up
 _OWN = ("/rosout", "/parameter_events")  # of the recorded nodes, not for live ones
 
 
@@ -82,7 +84,7 @@ class BagPlayer(Node):
             patience: how long to wait for a live node [s of wall time].
 
         Raises:
-            BagError: the bag has a topic whose type is not installed.
+            BagError: the bag has a topic whose type is not installed, or another one now.
         """
         super().__init__(NAME)
         executor.add_node(self)
@@ -93,7 +95,7 @@ class BagPlayer(Node):
         self._sender = ""  # the live robot A's name in messages
         leave = (*_OWN, *(self._live.topics if self._live else ()))
         self._publishers_by_topic: dict[str, Publisher] = {
-            topic: self.create_publisher(message_class(kind), topic, _qos(metadata))
+            topic: self._offer(topic, kind, metadata)
             for topic, (kind, metadata) in container.topics.items()
             if topic not in leave and selection.takes(topic, kind)
         }
@@ -173,6 +175,13 @@ class BagPlayer(Node):
                 heard[place] = answer
         return Outcome(live, joints_of(team), chi.tick[rows], chi.stamp[rows], chi.chi[rows], heard)
 
+    def _offer(self, topic: str, kind: str, metadata: dict[str, str]) -> Publisher:
+        """Return the publisher of a recorded topic."""
+        recorded = metadata.get("topic_type_hash", "")
+        if recorded and recorded != type_hash(kind):
+            raise BagError(f"{topic}: {kind} is another type now than when it was recorded")
+        return self.create_publisher(message_class(kind), topic, _qos(metadata))
+
     def _tell_time(self, state: Any) -> None:
         """Publish /clock where the bag has none."""
         if self._clock is not None:
@@ -195,8 +204,11 @@ class BagPlayer(Node):
         return state
 
     def _await(self, tick: int, expected: set[int]) -> None:
-        """Wait for the live node's answer to a tick."""
-        if self._live is None or tick not in expected:
+        """Wait for the live node's answer to a tick; without one, not longer than it takes."""
+        if self._live is None:
+            return
+        if tick not in expected:
+            self._spin(_UNANSWERED)
             return
         end = time.monotonic() + self._patience
         while tick not in self._answers:

@@ -25,9 +25,9 @@ def bring_up(
     scenario: Path,
     bag: Path,
     peers: Sequence[str],
+    *,
     nodes: Sequence[str] = tuple(NODES),
     timeout: float = _READY_TIMEOUT,
-    *,
     recording: Mapping[str, str] | None = None,
 ) -> None:
     """Start nodes of a run and wait until each may be relied on.

@@ -1,28 +1,64 @@
-"""Analyses the bag of a run: writes metrics.json and report.html, prints the table."""
+"""Analyses the bag of a run: writes metrics.json and report.html, prints the table.
+
+With two bags it analyses both, and writes and prints how their figures differ.
+"""
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
+from lexstack_bag.compare import Comparison, compare_metrics
+from lexstack_bag.compare import summary_lines as difference_lines
 from lexstack_bag.errors import BagError
+from lexstack_bag.export import write_csv, write_parquet
 from lexstack_bag.goals import summary_lines
-from lexstack_bag.measures import measure
+from lexstack_bag.measures import Measures, measure
 from lexstack_bag.metrics import Metrics, compute_metrics
-from lexstack_bag.phases import find_phases
+from lexstack_bag.phases import Phase, find_phases
 from lexstack_bag.progress import ProgressBar
 from lexstack_bag.reader import read_run
 from lexstack_bag.report.build import write_report
+from lexstack_bag.report.comparison import Side, write_comparison
+from lexstack_bag.report.video import write_video
+from lexstack_bag.run import Run
 from lexstack_core.errors import LexstackError
 
-BAD_ARGUMENT = 2
+BAD_ARGUMENT, INTERRUPTED = 2, 130
 
 
-def analyze(
-    bag: Path, out: Path | None = None, progress: Callable[[str], None] = lambda _line: None
-) -> Metrics:
+Say = Callable[[str], None]
+"""Told what happens, in single lines."""
+
+
+@dataclass(frozen=True, slots=True)
+class Analysis:
+    """A run and all that is computed from it."""
+
+    run: Run
+    measures: Measures
+    phases: tuple[Phase, ...]
+    metrics: Metrics
+
+    @classmethod
+    def of(cls, bag: Path, say: Say = lambda _line: None) -> Analysis:
+        """Analyse a run folder, a bag folder or an .mcap file; raises BagError."""
+        run = read_run(bag, ProgressBar("reading"))
+        total = sum(run.messages.values())
+        cut = "" if run.complete else "; the file ends before its end"
+        say(f"read {total} messages of {len(run.messages)} topics from {run.path.name}{cut}")
+        measures = measure(run, ProgressBar("computing"))
+        phases = find_phases(run)
+        metrics = compute_metrics(run, measures, phases)
+        say(f"computed the figures of {metrics.ticks} ticks in {len(phases)} phases")
+        return cls(run, measures, phases, metrics)
+
+
+def analyze(bag: Path, out: Path | None = None, progress: Say = lambda _line: None) -> Metrics:
     """Analyse a bag and write ``metrics.json`` and ``report.html``.
 
     Args:
@@ -36,23 +72,52 @@ def analyze(
     Raises:
         BagError: the bag cannot be read, or the results cannot be written.
     """
-    run = read_run(bag, ProgressBar("reading"))
-    total = sum(run.messages.values())
-    progress(f"read {total} messages of {len(run.messages)} topics from {run.path.name}")
-    folder = out or run_folder(run.path)
-    measures = measure(run)
-    phases = find_phases(run)
-    metrics = compute_metrics(run, measures, phases)
-    progress(f"computed the figures of {metrics.ticks} ticks in {len(phases)} phases")
+    analysis = Analysis.of(bag, progress)
+    write(analysis, out or run_folder(analysis.run.path), progress)
+    return analysis.metrics
+
+
+def write(analysis: Analysis, folder: Path, say: Say) -> None:
+    """Write ``metrics.json`` and ``report.html``; raises BagError."""
+    run, metrics = analysis.run, analysis.metrics
+    report = folder / "report.html"
+    with writing(folder):
+        (folder / "metrics.json").write_text(metrics.to_json(), encoding="utf-8")
+        write_report(report, run, analysis.measures, analysis.phases, metrics, say)
+    say(f"wrote {folder / 'metrics.json'} and {report}")
+
+
+def compare(first: Path, second: Path, out: Path | None, say: Say) -> Comparison:
+    """Write ``comparison.json`` and ``.html`` of two bags; return it; raises BagError.
+
+    Args:
+        first: a run folder, a bag folder or an .mcap file.
+        second: the same.
+        out: where to write; default: the run folder of the second.
+        say: told what happens.
+    """
+    one, other = Analysis.of(first, say), Analysis.of(second, say)
+    comparison = compare_metrics(one.metrics, other.metrics, (str(first), str(second)))
+    folder = out or run_folder(other.run.path)
+    with writing(folder):
+        (folder / "comparison.json").write_text(comparison.to_json(), encoding="utf-8")
+        sides = (
+            Side(one.run, one.measures, one.phases),
+            Side(other.run, other.measures, other.phases),
+        )
+        write_comparison(folder / "comparison.html", sides, comparison)
+    say(f"wrote {folder / 'comparison.json'} and {folder / 'comparison.html'}")
+    return comparison
+
+
+@contextmanager
+def writing(folder: Path) -> Iterator[None]:
+    """Make a folder, and turn what the disk refuses into a BagError."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "metrics.json").write_text(metrics.to_json(), encoding="utf-8")
-        report = folder / "report.html"
-        write_report(report, run, measures, phases, metrics, progress)
+        yield
     except OSError as error:
         raise BagError(f"{folder}: cannot be written: {error.strerror}") from error
-    progress(f"wrote {folder / 'metrics.json'} and {report}")
-    return metrics
 
 
 def run_folder(file: Path) -> Path:
@@ -61,21 +126,60 @@ def run_folder(file: Path) -> Path:
     return bag.parent if bag.name == "bag" or (bag / "metadata.yaml").is_file() else bag
 
 
-def main() -> int:
+def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit code."""
-    parser = argparse.ArgumentParser(prog="./scripts/analyze", description=__doc__)
-    parser.add_argument("bag", type=Path, help="run folder, bag folder or .mcap file")
-    parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="where to write (default: the run folder)"
-    )
-    arguments = parser.parse_args()
+    options = parser().parse_args(arguments)
     try:
-        metrics = analyze(arguments.bag, arguments.out, lambda line: print(line, flush=True))
+        return _run(options, lambda line: print(line, flush=True))
     except LexstackError as error:
         print(f"analyze: {error}", file=sys.stderr)
         return BAD_ARGUMENT
-    print("\n" + "\n".join(summary_lines(metrics)))
+    except KeyboardInterrupt:
+        print("analyze: interrupted", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _run(options: argparse.Namespace, say: Say) -> int:
+    """Do what the arguments ask for."""
+    if options.other is not None:
+        if options.csv or options.parquet or options.video:
+            raise BagError("--csv, --parquet, --video: of one bag at a time")
+        comparison = compare(options.bag, options.other, options.out, say)
+        print("\n" + "\n".join(difference_lines(comparison)))
+        return 0
+    analysis = Analysis.of(options.bag, say)
+    for folder, export in ((options.csv, write_csv), (options.parquet, write_parquet)):
+        if folder is not None:
+            bar = ProgressBar("writing tables")
+            paths = export(folder, analysis.run, analysis.measures, bar)
+            say(f"wrote {', '.join(path.name for path in paths)} to {folder}")
+    folder = options.out or run_folder(analysis.run.path)
+    write(analysis, folder, say)
+    if options.video:
+        bar = ProgressBar("rendering")
+        film = folder / "video.mp4"
+        count = write_video(film, analysis.run, analysis.measures, analysis.phases, bar)
+        say(f"wrote {film}: {count} pictures")
+    print("\n" + "\n".join(summary_lines(analysis.metrics)))
     return 0
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the command line."""
+    result = argparse.ArgumentParser(prog="./scripts/analyze", description=__doc__)
+    result.add_argument("bag", type=Path, help="run folder, bag folder or .mcap file")
+    result.add_argument("other", type=Path, nargs="?", help="a second one to compare with")
+    result.add_argument(
+        "--out", type=Path, metavar="DIR", help="where to write (default: the run folder)"
+    )
+    result.add_argument("--csv", type=Path, metavar="DIR", help="write tables as CSV, with units")
+    result.add_argument(
+        "--parquet", type=Path, metavar="DIR", help="write the same tables as Parquet, for pandas"
+    )
+    result.add_argument(
+        "--video", action="store_true", help="render video.mp4 too, offscreen: takes a while"
+    )
+    return result
 
 
 if __name__ == "__main__":
