@@ -100,6 +100,11 @@ def cases(config: Path, seed: int) -> list[Case]:
         ),
         _stretched(resolved, "reach_base"),
         _stretched(resolved, "posture"),
+        Case(
+            "the new stack's position limits exclude where the joints are",
+            _switches(resolved, 8.0, (1.0, "confined")),
+            (Row("sudden limits", 1.0, 8.0),),
+        ),
     ]
 
 

@@ -23,7 +23,7 @@ from lexstack_experiments.results import Figure, Goal, Peer, Results, Table
 
 NAME = "transition-methods"
 OURS = next(iter(METHODS))
-CASES = 9
+CASES = 10
 STILL = "no switch"
 # These never look at B's chi: they solve all levels of the new stack, or of both, themselves.
 _ALONE = frozenset({"instant_limited", "activation", "weights"})
