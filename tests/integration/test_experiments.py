@@ -86,6 +86,16 @@ def test_transition_methods(tmp_path, few_methods):
     assert (tmp_path / "methods.png").stat().st_size < 150_000
 
 
+def test_sudden_limits(tmp_path):
+    content = results_of(experiment.main, "sudden-limits", tmp_path)
+    rows = {row["law"]: row for row in content["tables"][0]["rows"]}
+    assert rows["ours"]["empty"] == rows["ours"]["late ticks"] == 0
+    assert rows["ours"]["acc. ratio"] <= 1.0 + 1e-9
+    assert rows["T(31), brake"]["outside s"] is None, "it never comes inside"
+    assert min(row["empty"] for name, row in rows.items() if name.startswith("T")) > 10
+    assert (tmp_path / "fig1.png").stat().st_size < 150_000
+
+
 def test_computation(tmp_path):
     content = results_of(experiment.main, "computation", tmp_path)
     rows = [row["us p50"] for row in content["tables"][0]["rows"]]

@@ -5,7 +5,9 @@ import pytest
 
 from lexstack_core.bounds import Bounds, JointLimits, viable_bounds
 from lexstack_core.limits import LimitBlend, Motion
+from lexstack_core.state import RobotState
 from lexstack_experiments.baselines.bounds import EmptyBoxes, t31, t34
+from lexstack_experiments.baselines.printed_law import PrintedLaw
 
 DT = 0.1
 
@@ -75,3 +77,41 @@ def sudden(law, q, v):
 def test_a_limit_that_jumps_behind_the_joint_empties_the_printed_boxes(law):
     assert sudden(law, np.array([0.5]), np.array([0.2])).empty > 0
     assert sudden("ours", np.array([0.5]), np.array([0.2])).empty == 0
+
+
+def state(tick, q, v):
+    q, v = np.array([q]), np.array([v])
+    return RobotState(tick, DT * tick, q, v, q, v)
+
+
+@pytest.mark.parametrize(
+    ("reading", "repair", "expected"),
+    [
+        # T(31): [-0.1, 0.1] and at most -2; braking from 0.05: 0, giving way: as fast as it can
+        ("T(31)", "brake", (0.0, 0.0)),
+        ("T(31)", "give way", (-0.05, -0.05)),
+        # T(34) at alpha = 0: the old limits still hold
+        ("T(34) old limits", "brake", (-0.05, 0.15)),
+        ("T(34) last box", "brake", (-0.1, 0.1)),
+    ],
+)
+def test_a_printed_law_at_the_trigger(reading, repair, expected):
+    own, new = limits(), limits(upper=0.0)
+    law = PrintedLaw(own, DT, 1.0, reading, repair)
+    box = law.at(state(0, 0.2, 0.0), own, None, jerk=False)[1]
+    assert (box.lower.item(), box.upper.item()) == pytest.approx((-0.1, 0.1))
+    at, box = law.at(state(1, 0.2, 0.05), new, None, jerk=False)
+    assert at is new
+    assert (box.lower.item(), box.upper.item()) == pytest.approx(expected)
+    assert law.empty_ticks == ([1] if reading == "T(31)" else [])
+
+
+def test_a_printed_law_blends_for_as_long_as_it_is_told():
+    own, new = limits(), limits(upper=0.0)
+    law = PrintedLaw(own, DT, 1.0, "T(34) old limits", "brake")
+    law.at(state(0, 0.2, 0.0), own, None, jerk=False)
+    boxes = [law.at(state(tick, 0.2, 0.0), new, None, jerk=False)[1] for tick in range(1, 12)]
+    # alpha = 1/2 in the middle: upper (0.1 - 2) / 2, below lower -0.1
+    assert boxes[0].upper.item() == pytest.approx(0.1)
+    assert law.empty_ticks[0] <= 5
+    assert law.empty_ticks[-1] == 11
