@@ -70,8 +70,13 @@ def snapshots(
 class Renderer:
     """A camera in the world of a team; use it as a context manager."""
 
-    def __init__(self, team: Team, size: tuple[int, int] = (960, 540)) -> None:
-        """Build the world with all that the eye needs; raises RenderError."""
+    def __init__(
+        self, team: Team, size: tuple[int, int] = (960, 540), *, fast: bool = False
+    ) -> None:
+        """Build the world with all that the eye needs; raises RenderError.
+
+        Shadows and smooth edges cost most of the time: ``fast`` goes without, for films.
+        """
         width, height = size
         self._context = _gl_context(width, height)
         self._context.make_current()
@@ -82,6 +87,9 @@ class Renderer:
         self._option = mujoco.MjvOption()
         self._option.geomgroup[:] = [0, 1, 0, 0, 0, 0]
         self._scene = mujoco.MjvScene(self._world, maxgeom=4000)
+        self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = not fast
+        if fast:
+            self._world.vis.quality.offsamples = 0
         self._rect = mujoco.MjrRect(0, 0, width, height)
         self._world.vis.global_.offwidth, self._world.vis.global_.offheight = size
         self._gl = mujoco.MjrContext(self._world, mujoco.mjtFontScale.mjFONTSCALE_100)

@@ -45,7 +45,10 @@ def scene(team: Team) -> Plain:
     """
     world = build_world(team, looks=True)
     numbers: dict[int, int] = {}  # of the meshes that are used
-    bodies = [_body(world, i, numbers) for i in range(1, world.nbody)]
+    # Obstacles move with the clock, not with q: the viewer draws them itself.
+    moved = [i for i in range(1, world.nbody) if world.body_mocapid[i] < 0]
+    places = {number: place for place, number in enumerate(moved)}
+    bodies = [_body(world, i, places, numbers) for i in moved]
     return {
         "robots": list(team.names),
         "bodies": bodies,
@@ -53,8 +56,10 @@ def scene(team: Team) -> Plain:
     }
 
 
-def _body(world: mujoco.MjModel, number: int, meshes: dict[int, int]) -> Plain:
-    """Return one body with its joints and parts."""
+def _body(
+    world: mujoco.MjModel, number: int, places: dict[int, int], meshes: dict[int, int]
+) -> Plain:
+    """Return one body with its joints and parts; ``places`` of the bodies in the list."""
     first, count = int(world.body_jntadr[number]), int(world.body_jntnum[number])
     parts = [
         _part(world, i, meshes)
@@ -63,7 +68,7 @@ def _body(world: mujoco.MjModel, number: int, meshes: dict[int, int]) -> Plain:
     ]
     return {
         "name": world.body(number).name,
-        "parent": int(world.body_parentid[number]) - 1,
+        "parent": places.get(int(world.body_parentid[number]), -1),
         **_pose(world.body_pos[number], world.body_quat[number]),
         "joints": [
             {

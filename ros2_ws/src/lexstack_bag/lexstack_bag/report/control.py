@@ -122,7 +122,7 @@ def bounds(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
     """Return command, measured velocity and bounds of any one joint."""
     command, plant = run.chi[COMMANDER], run.plant
     traces: list[Plain] = []
-    choices = _joints(run)
+    choices = joints(run)
     for joint in range(len(choices)):
         unit = choices[joint].partition("[")[2].rstrip("]")
         style: dict[str, Any] = {"visible": joint == 0, "unit": unit}
@@ -147,7 +147,7 @@ def bounds(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
     )
 
 
-def _joints(run: Run) -> tuple[str, ...]:
+def joints(run: Run) -> tuple[str, ...]:
     """Return a label for every entry of chi."""
     labels = []
     for name, place in run.resolved.scenario.robots.items():

@@ -28,7 +28,7 @@ def goals_table(metrics: Metrics) -> str:
         ]
         for goal in goals_of(metrics)
     ]
-    return _table(["", "paper", "goal", "ours", ""], rows, "goals")
+    return table(["", "paper", "goal", "ours", ""], rows, "goals")
 
 
 def phases_table(metrics: Metrics) -> str:
@@ -52,7 +52,7 @@ def phases_table(metrics: Metrics) -> str:
         for key in more:
             row += _numbers(getattr(phase, key), robots, 2)
         rows.append(row)
-    return _table(head, rows, "phases")
+    return table(head, rows, "phases")
 
 
 def run_table(metrics: Metrics) -> str:
@@ -69,13 +69,13 @@ def run_table(metrics: Metrics) -> str:
     for name, times in metrics.solve_us.items():
         text = f"{number(times['median'], 0)} / {number(times['p99'], 0)} µs"
         rows.append([f"Solve time of {escape(name)}, median / p99", text])
-    return _table(["", ""], rows, "run")
+    return table(["", ""], rows, "run")
 
 
 def messages_table(metrics: Metrics) -> str:
     """Return the number of messages of every topic."""
     rows = [[f"<code>{escape(k)}</code>", f"{v}"] for k, v in metrics.messages.items()]
-    return _table(["topic", "messages"], rows, "messages")
+    return table(["topic", "messages"], rows, "messages")
 
 
 def number(value: float | None, digits: int) -> str:
@@ -88,7 +88,7 @@ def _numbers(values: PerRobot | None, robots: Sequence[str], digits: int) -> lis
     return [number((values or {}).get(name), digits) for name in robots]
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]], kind: str) -> str:
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], kind: str) -> str:
     """Return a table; cells are HTML."""
     top = "".join(f"<th>{cell}</th>" for cell in head) if any(head) else ""
     body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows)

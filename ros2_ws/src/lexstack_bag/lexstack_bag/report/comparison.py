@@ -1,0 +1,217 @@
+"""Two runs on one page: their figures side by side, their traces over each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lexstack_bag.compare import MESSAGES, Comparison, Difference
+from lexstack_bag.measures import COMMANDER, Measures
+from lexstack_bag.phases import Phase
+from lexstack_bag.report import control, tables
+from lexstack_bag.report.figure import Figure
+from lexstack_bag.report.layout import level, stacked
+from lexstack_bag.report.page import document, figure_html
+from lexstack_bag.report.traces import SERIES, VERMILLION, Plain, extremes, line, typed
+from lexstack_bag.run import Run
+from lexstack_core.linear import Vector
+
+_BEFORE = 0.5  # s, shown before a switch
+_MOST_SAMPLES = 2500  # of one trace
+_MOST_SWITCHES = 12
+_DASHES = ("solid", "dash")  # of the first run and of the second
+_LEAST = 1e-3  # mm: a logarithm has no zero
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """One of the two runs."""
+
+    run: Run
+    measures: Measures
+    phases: tuple[Phase, ...]
+
+
+def write_comparison(path: Path, sides: tuple[Side, Side], comparison: Comparison) -> None:
+    """Write the page of two runs to one HTML file."""
+    pairs = list(_pairs(*(side.phases for side in sides)))
+    figures = [
+        _switch(sides, pair, number) for number, pair in enumerate(pairs[:_MOST_SWITCHES], start=1)
+    ]
+    if sides[0].run.plant.q.shape[1] == sides[1].run.plant.q.shape[1]:
+        figures.append(_commands(sides))
+    names = tuple(map(escape, comparison.names))
+    body = (
+        f"<header><div class='wrap'><h1>Two runs</h1><p class='lead'>Solid: the first, "
+        f"<b>{names[0]}</b>. Dashed: the second, <b>{names[1]}</b>.</p>"
+        f"{_setup(comparison)}</div></header><main class='wrap'>{_differences(comparison)}"
+        f"{''.join(map(figure_html, figures))}</main>"
+    )
+    path.write_text(document("Two lexstack runs", body), encoding="utf-8")
+
+
+def _setup(comparison: Comparison) -> str:
+    """Return scenario, mode and seed of both."""
+    items = "".join(
+        f"<div>{escape(key)} <b>{escape(one if one == other else f'{one} | {other}')}</b></div>"
+        for key, (one, other) in comparison.setup.items()
+    )
+    return f"<div class='facts'>{items}</div>"
+
+
+def _differences(comparison: Comparison) -> str:
+    """Return the figures: those that differ, then folded up those that do not."""
+    shown = [entry for entry in comparison.differences if entry.group != MESSAGES]
+    same = [entry for entry in shown if entry.first == entry.second]
+    other = [entry for entry in shown if entry.first != entry.second]
+    messages = [entry for entry in comparison.differences if entry.group == MESSAGES]
+    changed = sum(entry.first != entry.second for entry in messages)
+    return (
+        "<section id='differences'><h2>What differs</h2><p class='caption'>Second minus first. "
+        "A click on a head sorts. <i>Better</i> stands where less of a figure is better.</p>"
+        f"{_table(other)}<details><summary>{len(same)} figures are the same</summary>"
+        f"{_table(same)}</details><details><summary>messages: {changed} of {len(messages)} topics "
+        f"differ</summary>{_table(messages)}</details></section>"
+    )
+
+
+def _table(entries: Sequence[Difference]) -> str:
+    """Return a table of figures."""
+    rows = [
+        [
+            escape(entry.group),
+            escape(entry.figure),
+            entry.unit or "–",
+            _number(entry.first),
+            _number(entry.second),
+            _number(entry.change),
+            "–" if entry.relative is None else f"{100 * entry.relative:+.1f} %",
+            "–" if entry.better in (None, "same") else f"the {entry.better}",
+        ]
+        for entry in entries
+    ]
+    head = ["of", "figure", "unit", "first", "second", "change", "relative", "better"]
+    return tables.table(head, rows, "differences") if rows else "<p>None.</p>"
+
+
+def _number(value: float | None) -> str:
+    """Return a number, or a dash."""
+    return "–" if value is None else f"{value:.5g}"
+
+
+def _pairs(
+    first: Sequence[Phase], second: Sequence[Phase]
+) -> Iterator[tuple[Phase | None, Phase | None]]:
+    """Yield the phases after the first switch: of both runs where their stacks follow alike."""
+    stacks = [[phase.stack for phase in phases] for phases in (first, second)]
+    for kind, i, k, j, n in SequenceMatcher(None, *stacks, autojunk=False).get_opcodes():
+        left: Sequence[Phase | None] = first[i:k]
+        right: Sequence[Phase | None] = second[j:n]
+        if kind == "equal":
+            pairs = list(zip(left, right, strict=True))
+        else:
+            pairs = [(one, None) for one in left] + [(None, one) for one in right]
+        # The first phase of a run begins with no switch.
+        yield from (p for p in pairs if p[0] is not first[0] and p[1] is not second[0])
+
+
+def _switch(
+    sides: tuple[Side, Side], pair: tuple[Phase | None, Phase | None], number: int
+) -> Figure:
+    """Return errors, alpha and accelerations of both runs after one switch, from its trigger on."""
+    phase = pair[0] or pair[1]
+    assert phase is not None
+    ends = [one.end - one.start for one in pair if one is not None]
+    span = (-_BEFORE, max(ends))
+    traces: list[Plain] = []
+    for which, (side, one) in enumerate(zip(sides, pair, strict=True)):
+        if one is not None:
+            traces += _after(side, one, which)
+    titles = ["EE error [mm]", "base error [mm]", "α [-]", "acceleration / limit [-]"]
+    layout = stacked(titles, 150, (), span)
+    for key in ("yaxis", "yaxis2"):
+        layout[key] |= {"type": "log", "dtick": 1, "exponentformat": "power"}
+    layout["xaxis4"]["title"]["text"] = "time since the switch [s]"
+    layout["shapes"].append(level(1.0, 4, VERMILLION))
+    alone = "" if None not in pair else " Only one of the runs has this switch."
+    return Figure(
+        f"switch-{number}",
+        f"Switch {number}: to {escape(phase.stack)}",
+        "Both runs from the trigger on; the dashed line at 1 is the acceleration limit." + alone,
+        traces,
+        layout,
+        linked=False,
+    )
+
+
+def _after(side: Side, phase: Phase, which: int) -> list[Plain]:
+    """Return the traces of one run around one switch."""
+    run, measures, status = side.run, side.measures, side.run.transition
+    begin, end = phase.start - _BEFORE, phase.end
+    dash, ordinal = _DASHES[which], ("first", "second")[which]
+    traces = []
+    for row, errors in enumerate((measures.ee_error, measures.base_error), start=1):
+        for i, robot in enumerate(run.robots):
+            series = _cut(measures.time, np.maximum(errors[:, i], _LEAST), begin, end, phase.start)
+            name = f"{robot}, {ordinal}"
+            style: dict[str, Any] = {"row": row, "dash": dash, "unit": "mm", "legend": row == 1}
+            traces.append(line(series, name, SERIES[i % len(SERIES)], **style))
+    series = _cut(status.stamp, status.alpha, begin, end, phase.start)
+    traces.append(line(series, f"α, {ordinal}", "#000000", row=3, dash=dash))
+    ratios = measures.acceleration_ratio
+    worst = np.max(np.where(np.isnan(ratios), 0.0, ratios), axis=1, initial=0.0)
+    series = _cut(measures.command_time, worst, begin, end, phase.start)
+    traces.append(line(series, f"acceleration, {ordinal}", SERIES[3], row=4, dash=dash))
+    return traces
+
+
+def _commands(sides: tuple[Side, Side]) -> Figure:
+    """Return the command of any one joint in both runs, from their first switches on."""
+    choices = control.joints(sides[0].run)
+    zeros = [
+        side.phases[1].start if len(side.phases) > 1 else side.phases[0].start for side in sides
+    ]
+    traces: list[Plain] = []
+    for joint, label in enumerate(choices):
+        unit = label.partition("[")[2].rstrip("]")
+        for which, (side, zero) in enumerate(zip(sides, zeros, strict=True)):
+            command = side.run.chi[COMMANDER]
+            series = _cut(command.stamp, command.chi[:, joint], -np.inf, np.inf, zero)
+            name = ("first", "second")[which]
+            style: dict[str, Any] = {"dash": _DASHES[which], "unit": unit, "visible": joint == 0}
+            traces.append(line(series, name, SERIES[which], **style))
+    begins = [float(side.measures.time[0]) - zero for side, zero in zip(sides, zeros, strict=True)]
+    ends = [float(side.measures.time[-1]) - zero for side, zero in zip(sides, zeros, strict=True)]
+    layout = stacked(["command χ [m/s, rad/s]"], 320, (), (min(begins), max(ends)))
+    layout["xaxis"]["title"]["text"] = "time since the first switch [s]"
+    return Figure(
+        "commands",
+        "Command of one joint",
+        "Both commands, aligned at the first switch.",
+        traces,
+        layout,
+        linked=False,
+        choices=choices,
+    )
+
+
+def _cut(time: Vector, values: Any, begin: float, end: float, zero: float) -> Plain:
+    """Return ``x0``, ``dx``, ``y`` of what lies between two times [s], counted from ``zero``."""
+    inside = np.flatnonzero((time >= begin - 1e-9) & (time <= end + 1e-9))
+    if not len(inside):
+        return {"x0": 0.0, "dx": 1.0, "y": typed(np.empty(0))}
+    times = time[inside]
+    step = float(np.median(np.diff(times))) if len(times) > 1 else 1.0
+    places = np.round((times - times[0]) / step).astype(int)
+    dense = np.full(int(places[-1]) + 1, np.nan)
+    dense[places] = np.asarray(values, dtype=np.float64)[inside]
+    dense[np.isinf(dense)] = np.nan
+    stride = max(1, -(-len(dense) // _MOST_SAMPLES))
+    drawn = extremes(dense, stride)
+    return {"x0": float(times[0]) - zero, "dx": step * stride, "y": typed(drawn)}
