@@ -59,13 +59,17 @@ class Hub:
         self._orders.put((order, answer))
         return answer
 
-    def listen(self, most: int) -> bool:
-        """Count one more listener; False where there are ``most`` already."""
+    def listen(self, most: int) -> int | None:
+        """Count one more listener; None where there are ``most`` already.
+
+        Returns:
+            the number of the present text: what stood here before anybody listened is old.
+        """
         with self._changed:
             if self._listeners >= most:
-                return False
+                return None
             self._listeners += 1
-            return True
+            return self._number
 
     def leave(self) -> None:
         """Count one listener less."""

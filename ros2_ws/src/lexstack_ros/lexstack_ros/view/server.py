@@ -8,6 +8,7 @@ JSON, which no foreign form can send.
 from __future__ import annotations
 
 import json
+import select
 from collections.abc import Callable
 from concurrent.futures import TimeoutError as NoAnswerError
 from http import HTTPStatus
@@ -139,20 +140,24 @@ class _Handler(BaseHTTPRequestHandler):
     def _events(self) -> None:
         """Send news for as long as the browser listens."""
         hub = self.server.hub
-        if not hub.listen(_MOST_LISTENERS):
+        number = hub.listen(_MOST_LISTENERS)
+        if number is None:
             self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, f"{_MOST_LISTENERS} pages are open")
             return
         try:
             self.close_connection = True
             self._head(HTTPStatus.OK, "text/event-stream", None)
-            number = 0
-            while (news := hub.wait(number, _STILL_HERE)) is not None:
+            while not self._has_gone() and (news := hub.wait(number, _STILL_HERE)) is not None:
                 number, text = news
                 self.wfile.write(f"data: {text}\n\n".encode() if text else b": here\n\n")
         except OSError:
             pass  # the browser has gone
         finally:
             hub.leave()
+
+    def _has_gone(self) -> bool:
+        """Return whether a listener has hung up: it says nothing else."""
+        return bool(select.select([self.connection], [], [], 0)[0])
 
     def _refuse(self, status: HTTPStatus, text: str) -> None:
         """Answer without having read the body: the connection cannot be used again."""
