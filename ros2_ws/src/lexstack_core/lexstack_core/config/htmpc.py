@@ -130,6 +130,8 @@ class HtmpcConfig:
                 f"{where}: horizon: must be in [2, {_MOST_STAGES}], got {self.horizon}"
             )
         positive(where, step=self.step)
+        if self.correction and self.lexicographic != "axis":
+            raise ConfigurationError(f"{where}: correction: needs lexicographic: axis")
         if self.iterations < 1:
             raise ConfigurationError(
                 f"{where}: iterations: must be at least 1, got {self.iterations}"

@@ -58,13 +58,7 @@ class LimitedQp:
     def solve(self, lower: Vector, upper: Vector) -> tuple[Vector, str]:
         """Return d, shape (N n,), and the solver's word; the guards' bounds have shape (g,)."""
         for _ in range(_ROUNDS):
-            direction, self._multipliers, word = self._qp.solve(
-                self._center,
-                self._white,
-                self._scaled(np.concatenate((lower, self._room[0])), -np.inf),
-                self._scaled(np.concatenate((upper, self._room[1])), np.inf),
-                self._multipliers,
-            )
+            direction, word = self._once(lower, upper)
             if self._hard is None or word != "solved":
                 return direction, word
             broken = self._hard.violated(self._u + direction.reshape(self._u.shape))
@@ -74,10 +68,24 @@ class LimitedQp:
             self._add(fresh)
         return direction, "hard limits: too many rounds"
 
+    def _once(self, lower: Vector, upper: Vector) -> tuple[Vector, str]:
+        """Solve with the rows so far, and again without a guess if the guess led astray."""
+        bounds = (
+            self._scaled(np.concatenate((lower, self._room[0])), -np.inf),
+            self._scaled(np.concatenate((upper, self._room[1])), np.inf),
+        )
+        for guess in (self._multipliers, None):
+            direction, multipliers, word = self._qp.solve(self._center, self._white, *bounds, guess)
+            if word == "solved":
+                self._multipliers = multipliers
+                break
+        return direction, word
+
     @property
     def holding(self) -> Places:
-        """The hard limits that hold at the last solution."""
-        return self.places[:, self._multipliers[self._guards :] != 0.0]
+        """The hard limits that held at the last solution."""
+        multipliers = self._multipliers[self._guards :]
+        return self.places[:, np.flatnonzero(multipliers)]
 
     def _scaled(self, bounds: Vector, nothing: float) -> Vector:
         """Return bounds for rows of length 1; rows that no step can change are left out."""

@@ -100,7 +100,7 @@ class Htmpc:
         begun = perf_counter()
         self._check(start, objectives)
         tasks = [Task(objective, self.config, self.robot.n) for objective in objectives]
-        program = self._program(start, before, around)
+        program = self.program(start, before, around)
         iterate = program.iterate(self._guess(start, tasks, before, program))
         levels, holding, iterate = self._solve_levels(program, tasks, iterate, before)
         return Plan(
@@ -139,8 +139,10 @@ class Htmpc:
             guards.append(Guard(i, task, best, self.config.lexicographic, self.horizon))
         return levels, tuple(holding), iterate
 
-    def _program(self, start: Start, before: Plan | None, around: Surroundings | None) -> Program:
-        """Return what all levels share."""
+    def program(
+        self, start: Start, before: Plan | None = None, around: Surroundings | None = None
+    ) -> Program:
+        """Return what all levels of a solve share; arguments as in ``solve``."""
         model = self._model if around is None else self._model_with_spheres
         previous = np.zeros(self.robot.n) if before is None else before.input_before(start.stamp)
         return Program(

@@ -15,6 +15,7 @@ from lexstack_core.config.htmpc import BarrierConfig, CollisionConfig, HtmpcConf
 from lexstack_core.errors import InputError
 from lexstack_core.htmpc.objectives import Kind
 from lexstack_core.htmpc.symbolic import stage_function
+from lexstack_core.linear import Matrix
 from lexstack_core.model import RobotModel
 
 ROWS: dict[Kind, int] = {"ee_position": 3, "base_position": 2, "base_pose": 3}
@@ -35,6 +36,8 @@ class Symbols:
         errors: of each task, shape (s, N).
         costs: J of each task, H(8).
         upkeep: effort H(10) and all barriers.
+        rooms: what is left of the distances H(7c), shape (r, 1).
+        smooth: ``upkeep`` without the barriers of the distances.
     """
 
     x: ca.MX
@@ -46,6 +49,8 @@ class Symbols:
     errors: tuple[ca.MX, ...]
     costs: tuple[ca.MX, ...]
     upkeep: ca.MX
+    rooms: ca.MX
+    smooth: ca.MX
 
 
 def program(
@@ -77,11 +82,11 @@ def program(
         for kind, reference in zip(kinds, references, strict=True)
     )
     costs = tuple(_tracking(config, kind, error) for kind, error in zip(kinds, errors, strict=True))
-    upkeep = _effort(config, v, u, start[2 * n :]) + _limits(robot, config, q, v, u)
-    if spheres and (radii or config.collision.ground):
-        upkeep += _distances(robot, config.collision, places[3], spheres, (obstacles, radii))
+    smooth = _effort(config, v, u, start[2 * n :]) + _limits(robot, config, q, v, u)
+    rooms = _rooms(robot, config.collision, places[3], spheres, (obstacles, radii))
+    upkeep = smooth + barrier(config.collision, rooms) if rooms.numel() else smooth
     gaps = _gaps(x, u, start[: 2 * n], config.step)
-    return Symbols(x, u, start, references, obstacles, gaps, errors, costs, upkeep)
+    return Symbols(x, u, start, references, obstacles, gaps, errors, costs, upkeep, rooms, smooth)
 
 
 def _gaps(x: ca.MX, u: ca.MX, start: ca.MX, step: float) -> ca.MX:
@@ -94,12 +99,18 @@ def _gaps(x: ca.MX, u: ca.MX, start: ca.MX, step: float) -> ca.MX:
 
 def _tracking(config: HtmpcConfig, kind: Kind, error: ca.MX) -> ca.MX:
     """Return H(8) without the state 0."""
+    diagonal = weights_of(config, kind)
+    return 0.5 * ca.sum1(ca.sum2(ca.DM(diagonal) * error**2))
+
+
+def weights_of(config: HtmpcConfig, kind: Kind) -> Matrix:
+    """Return Q at the states 1 to N - 1 and P at N, on the diagonal, shape (s, N)."""
     weights = config.ee if kind.startswith("ee") else config.base
     lengths = 2 if kind.startswith("base") else 3
-    diagonal = np.empty(error.shape)
+    diagonal = np.empty((ROWS[kind], config.horizon))
     diagonal[:lengths, :-1], diagonal[:lengths, -1] = weights.stage, weights.terminal
     diagonal[lengths:, :-1], diagonal[lengths:, -1] = weights.stage_angle, weights.terminal_angle
-    return 0.5 * ca.sum1(ca.sum2(ca.DM(diagonal) * error**2))
+    return diagonal
 
 
 def _effort(config: HtmpcConfig, v: ca.MX, u: ca.MX, previous: ca.MX) -> ca.MX:
@@ -132,25 +143,25 @@ def _limits(robot: RobotModel, config: HtmpcConfig, q: ca.MX, v: ca.MX, u: ca.MX
     return total
 
 
-def _distances(
+def _rooms(
     robot: RobotModel,
     config: CollisionConfig,
     centers: ca.MX,
     spheres: tuple[int, ...],
     obstacles: tuple[ca.MX, tuple[float, ...]],
 ) -> ca.MX:
-    """Return the barriers of H(7c)."""
-    total = ca.MX(0)
+    """Return what is left of each distance of H(7c), at every state, shape (r, 1)."""
+    rooms = []
     where, radii = obstacles
     for i, place in enumerate(spheres):
         sphere = robot.config.spheres[place]
         center = centers[3 * i : 3 * i + 3, :]
         for j, radius in enumerate(radii):
             apart = ca.sqrt(ca.sum1((center - where[3 * j : 3 * j + 3, :]) ** 2))
-            total += barrier(config, apart - sphere.radius - radius - config.margin)
+            rooms.append(apart - sphere.radius - radius - config.margin)
         if config.ground and sphere.link != "base":
-            total += barrier(config, center[2, :] - sphere.radius - config.margin)
-    return total
+            rooms.append(center[2, :] - sphere.radius - config.margin)
+    return ca.vec(ca.horzcat(*rooms)) if rooms else ca.MX(0, 1)
 
 
 def barrier(config: BarrierConfig | CollisionConfig, room: ca.MX) -> ca.MX:
@@ -159,3 +170,8 @@ def barrier(config: BarrierConfig | CollisionConfig, room: ca.MX) -> ca.MX:
     near = 0.5 * (((room - 2.0 * zeta) / zeta) ** 2 - 1.0) - np.log(zeta)
     far = -ca.log(ca.fmax(room, zeta))
     return mu * ca.sum1(ca.sum2(ca.if_else(room > zeta, far, near)))
+
+
+def curvature(config: BarrierConfig | CollisionConfig, room: ca.MX) -> ca.MX:
+    """Return the second derivative of the barrier of every entry."""
+    return config.mu / ca.fmax(room, config.zeta) ** 2

@@ -1,10 +1,11 @@
 """The benches: one file each, registered here by the name that the command uses."""
 
-from lexstack_experiments.benches import hqp, recorder, scaling, strictness, transition
+from lexstack_experiments.benches import hqp, htmpc, recorder, scaling, strictness, transition
 from lexstack_experiments.experiment import Experiment
 
 BENCHES: dict[str, Experiment] = {
     "hqp": hqp.EXPERIMENT,
+    "htmpc": htmpc.EXPERIMENT,
     "recorder": recorder.EXPERIMENT,
     "scaling": scaling.EXPERIMENT,
     "strictness": strictness.EXPERIMENT,

@@ -16,7 +16,7 @@ import numpy as np
 from lexstack_core.build import Parts, build_controller
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.config.scenario import EventConfig
-from lexstack_core.hqp import make_solver
+from lexstack_core.hqp import HqpProblem, make_solver
 from lexstack_core.hqp.daqp_cascade import DaqpCascade
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.recorded import record
@@ -45,7 +45,14 @@ class _Case:
 
     resolved: ResolvedScenario
     tape: Tape
+    problems: list[HqpProblem]
     difference: float
+
+    @classmethod
+    def of(cls, resolved: ResolvedScenario) -> _Case:
+        """Record a scenario."""
+        problems = [p for sequence in record(resolved, 10**6) for p in sequence.problems]
+        return cls(resolved, Tape.of(resolved), problems, _difference(resolved, problems))
 
 
 def team_of(resolved: ResolvedScenario, count: int) -> ResolvedScenario:
@@ -66,8 +73,7 @@ def run(options: Options) -> Results:
     base = scenario_of(options.config)
     cases = {}
     for count in ROBOTS:
-        resolved = team_of(base, count)
-        cases[count] = _Case(resolved, Tape.of(resolved), _difference(resolved))
+        cases[count] = _Case.of(team_of(base, count))
         options.say(f"{count} robots: recorded")
     ticks = {count: np.empty(options.cases) for count in ROBOTS}
     solves = {count: np.empty(options.cases) for count in ROBOTS}
@@ -120,11 +126,10 @@ def _solve(case: _Case) -> float:
     """Return the median time of a solve on the case's problems [us]."""
     solver = make_solver(case.resolved.scenario.solver)
     times, warm = [], None
-    sequences = record(case.resolved, 10**6)
     gc.collect()
     gc.disable()
     try:
-        for problem in [p for sequence in sequences for p in sequence.problems]:
+        for problem in case.problems:
             begun = perf_counter()
             warm = solver.solve(problem, warm)
             times.append(perf_counter() - begun)
@@ -133,11 +138,12 @@ def _solve(case: _Case) -> float:
     return _US * float(np.median(times))
 
 
-def _difference(resolved: ResolvedScenario) -> float:
+def _difference(resolved: ResolvedScenario, problems: list[HqpProblem]) -> float:
     """Return how far the clustered chi is from the dense one, on every fifth problem."""
     clustered, dense = make_solver(resolved.scenario.solver), DaqpCascade()
-    problems = [p for sequence in record(resolved, 10**6) for p in sequence.problems][::5]
-    return max(float(np.abs(clustered.solve(p).chi - dense.solve(p).chi).max()) for p in problems)
+    return max(
+        float(np.abs(clustered.solve(p).chi - dense.solve(p).chi).max()) for p in problems[::5]
+    )
 
 
 EXPERIMENT = Experiment("what N robots cost, whole tick and HQP", "passes", PASSES, run)

@@ -1,0 +1,221 @@
+"""The HTMPC as its paper runs it: CasADi evaluates, and builds the QP object anew for every QP.
+
+Inputs and states are unknowns, the dynamics are constraints, and the matrices are sparse. The
+problem, its levels and its line search are those of the fast path without its additions (hard
+limits, bent steps, resuming): H(12) alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from time import perf_counter
+
+import casadi as ca
+import numpy as np
+
+from lexstack_core.config.htmpc import HtmpcConfig
+from lexstack_core.htmpc import Objective, Surroundings
+from lexstack_core.htmpc.horizon import Horizon
+from lexstack_core.htmpc.objectives import Kind
+from lexstack_core.linear import Matrix, Vector
+from lexstack_core.model import RobotModel
+from lexstack_experiments.baselines.htmpc_casadi import Symbols, curvature, program, weights_of
+
+SOLVERS: dict[str, dict[str, object]] = {
+    "gurobi": {"gurobi": {"OutputFlag": 0}},
+    "osqp": {"osqp": {"verbose": False}},
+    "proxqp": {},
+}
+"""QP solvers that CasADi may have, with the options that silence them: the paper's, then the others
+that solve these QPs, the fastest first. Of the rest qrqp calls answers solved that violate H(12) by
+centimetres, daqp wants a definite Hessian, highs, qpoases and ipqp are slower or fail."""
+
+
+class PaperHtmpc:
+    """The paper's way, for one robot with given kinds of tasks.
+
+    Attributes:
+        failures: QPs that were not solved so far.
+    """
+
+    def __init__(
+        self,
+        robot: RobotModel,
+        config: HtmpcConfig,
+        kinds: tuple[Kind, ...],
+        solver: str,
+        *,
+        spheres: tuple[int, ...] = (),
+        radii: tuple[float, ...] = (),
+    ) -> None:
+        """Make the functions; the QP objects are made in ``solve``."""
+        self._config, self._solver = config, solver
+        self._n = robot.n
+        self._horizon = Horizon(config.horizon, config.step)
+        self._tolerances = [
+            config.ee.tolerance if kind.startswith("ee") else config.base.tolerance
+            for kind in kinds
+        ]
+        symbols = program(robot, config, kinds, spheres, radii)
+        unknowns, symbols = _stacked(symbols)
+        inputs = [unknowns, symbols.start, symbols.obstacles, *symbols.references]
+        self._quadratics = [
+            ca.Function("quadratic", inputs, outputs)
+            for outputs in _quadratics(config, kinds, symbols, unknowns)
+        ]
+        self._costs = [
+            ca.Function("cost", inputs, [task + symbols.upkeep]) for task in symbols.costs
+        ]
+        errors = [ca.vec(error) for error in symbols.errors]
+        self._errors = [ca.Function("error", inputs, [error]) for error in errors]
+        self._rows = [
+            ca.Function("rows", inputs, [ca.jacobian(error, unknowns)]) for error in errors
+        ]
+        gaps = ca.vec(symbols.gaps)
+        self._dynamics = ca.Function("dynamics", inputs, [ca.jacobian(gaps, unknowns)])
+        self.failures = 0
+
+    def solve(
+        self,
+        start: tuple[Vector, Vector, Vector],
+        objectives: tuple[Objective, ...],
+        guess: Matrix,
+        around: Surroundings | None = None,
+    ) -> tuple[Matrix, float]:
+        """Return the inputs (N, n) and the wall time [s] of one solve of all levels.
+
+        Args:
+            start: q, v and the input before, shapes (n,).
+            objectives: of the kinds that it was made for.
+            guess: inputs to begin with, shape (N, n).
+            around: obstacles, as many as radii were given.
+        """
+        begun = perf_counter()
+        stages = self._config.horizon
+        centers = np.zeros((0, stages))
+        if around is not None:
+            centers = around.centers.reshape(stages, -1).T
+        given = [
+            np.concatenate(start),
+            centers,
+            *(objective.reference.T for objective in objectives),
+        ]
+        u, best = guess, list[Vector]()
+        for level in range(len(objectives)):
+            u = self._level(level, u, given, best)
+            point = self._point(u, given)
+            best.append(np.abs(np.array(self._errors[level](*point)).ravel()))
+        return u, perf_counter() - begun
+
+    def _point(self, u: Matrix, given: list[Matrix]) -> list[Matrix]:
+        """Return the arguments of all functions at inputs (N, n)."""
+        n = self._n
+        q, v = self._horizon.roll_out(given[0][:n], given[0][n : 2 * n], u)
+        states = np.hstack((q[1:], v[1:])).ravel()
+        return [np.concatenate((states, u.ravel())), *given]
+
+    def _level(self, level: int, u: Matrix, given: list[Matrix], best: list[Vector]) -> Matrix:
+        """Return the inputs after one SQP iteration of a level."""
+        point = self._point(u, given)
+        hessian, gradient = self._quadratics[level](*point)
+        dynamics = self._dynamics(*point)
+        rows = [dynamics] + [self._rows[i](*point) for i in range(level)]
+        a = ca.vertcat(*rows)
+        equal = np.zeros(dynamics.size1())
+        lower, upper = [equal], [equal]
+        for i in range(level):
+            error = np.array(self._errors[i](*point)).ravel()
+            lower.append(np.minimum(-best[i] - error, 0.0))
+            upper.append(np.maximum(best[i] - error, 0.0))
+        options = {"error_on_fail": False, **SOLVERS[self._solver]}
+        structure = {"h": hessian.sparsity(), "a": a.sparsity()}
+        conic = ca.conic("qp", self._solver, structure, options)  # anew, as the paper's code does
+        answer = conic(
+            h=hessian, g=gradient, a=a, lba=np.concatenate(lower), uba=np.concatenate(upper)
+        )
+        if not conic.stats()["success"]:
+            self.failures += 1
+            return u
+        step = np.array(answer["x"]).ravel()
+        slope = float(np.array(gradient).ravel() @ step)
+        direction = step[-u.size :].reshape(u.shape)
+        return self._search(level, u, direction, slope, given, best)
+
+    def _search(
+        self,
+        level: int,
+        u: Matrix,
+        direction: Matrix,
+        slope: float,
+        given: list[Matrix],
+        best: list[Vector],
+    ) -> Matrix:
+        """Return the first trial that neither H(13) nor the cost refuses; without one, u."""
+        rules = self._config.line_search
+        cost = float(self._costs[level](*self._point(u, given)))
+        alpha = 1.0
+        for _ in range(rules.trials):
+            tried = u + alpha * direction
+            point = self._point(tried, given)
+            kept = all(
+                np.all(
+                    np.abs(np.array(self._errors[i](*point)).ravel())
+                    <= best[i] + self._tolerances[i]
+                )
+                for i in range(level)
+            )
+            fell = float(self._costs[level](*point)) <= cost + rules.descent * alpha * slope
+            if kept and fell:
+                return tried
+            alpha *= rules.beta
+        return u
+
+
+def _stacked(symbols: Symbols) -> tuple[ca.MX, Symbols]:
+    """Return one vector of unknowns, states then inputs, and the program written in it."""
+    states = symbols.x.numel()
+    unknowns = ca.MX.sym("unknowns", states + symbols.u.numel())
+    x = ca.reshape(unknowns[:states], *symbols.x.shape)
+    u = ca.reshape(unknowns[states:], *symbols.u.shape)
+    count = len(symbols.errors)
+    written = ca.substitute(
+        [
+            *symbols.errors,
+            *symbols.costs,
+            symbols.gaps,
+            symbols.upkeep,
+            symbols.rooms,
+            symbols.smooth,
+        ],
+        [symbols.x, symbols.u],
+        [x, u],
+    )
+    gaps, upkeep, rooms, smooth = written[2 * count :]
+    return unknowns, replace(
+        symbols,
+        x=x,
+        u=u,
+        errors=tuple(written[:count]),
+        costs=tuple(written[count : 2 * count]),
+        gaps=gaps,
+        upkeep=upkeep,
+        rooms=rooms,
+        smooth=smooth,
+    )
+
+
+def _quadratics(
+    config: HtmpcConfig, kinds: tuple[Kind, ...], symbols: Symbols, unknowns: ca.MX
+) -> list[list[ca.MX]]:
+    """Return, for each level, Gauss-Newton Hessian and gradient in the unknowns."""
+    shared = ca.hessian(symbols.smooth, unknowns)[0]
+    if symbols.rooms.numel():
+        rooms = ca.jacobian(symbols.rooms, unknowns)
+        shared += rooms.T @ ca.diag(curvature(config.collision, symbols.rooms)) @ rooms
+    quadratics = []
+    for kind, task, error in zip(kinds, symbols.costs, symbols.errors, strict=True):
+        jacobian = ca.jacobian(ca.vec(error), unknowns)
+        weights = ca.diag(ca.DM(weights_of(config, kind).T.ravel()))
+        slope = ca.gradient(task + symbols.upkeep, unknowns)
+        quadratics.append([shared + jacobian.T @ weights @ jacobian, slope])
+    return quadratics
