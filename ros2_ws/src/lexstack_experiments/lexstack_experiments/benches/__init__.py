@@ -1,9 +1,18 @@
 """The benches: one file each, registered here by the name that the command uses."""
 
-from lexstack_experiments.benches import hqp, htmpc, recorder, scaling, strictness, transition
+from lexstack_experiments.benches import (
+    analysis,
+    hqp,
+    htmpc,
+    recorder,
+    scaling,
+    strictness,
+    transition,
+)
 from lexstack_experiments.experiment import Experiment
 
 BENCHES: dict[str, Experiment] = {
+    "analysis": analysis.EXPERIMENT,
     "hqp": hqp.EXPERIMENT,
     "htmpc": htmpc.EXPERIMENT,
     "recorder": recorder.EXPERIMENT,
