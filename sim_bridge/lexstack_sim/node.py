@@ -173,6 +173,7 @@ class SimBridge(Node):
                 "late ticks": str(self._pacer.late_ticks),
                 "schedule restarts": str(self._pacer.restarts),
                 "refused commands": str(self._refused),
+                "commander": self._commander.name or "nobody",
                 "contact force [N]": f"{self._plant.contact_force:.1f}",
                 **{f"{name.replace('_', ' ')} ticks": str(n) for name, n in counters.items()},
             },

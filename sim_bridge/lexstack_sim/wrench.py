@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from lexstack_core.config.checks import shown
 from lexstack_core.errors import InputError
 from lexstack_core.linear import Vector
 from lexstack_core.model import RobotModel
@@ -44,7 +45,7 @@ def wrench_on(
     """
     model = robot.pinocchio
     if not model.existFrame(link) or model.frames[model.getFrameId(link)].parentJoint == 0:
-        raise InputError(f"wrench: robot {robot.name} has no link {link!r}")
+        raise InputError(f"wrench: robot {robot.name} has no link {shown(link)}")
     for name, vector in (("force", force), ("torque", torque)):
         if np.shape(vector) != (3,) or not np.isfinite(vector).all():
             raise InputError(f"wrench: {name}: expected 3 finite numbers, got {vector}")

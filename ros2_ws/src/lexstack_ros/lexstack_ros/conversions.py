@@ -14,6 +14,7 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
 
+from lexstack_core.config.checks import shown
 from lexstack_core.controller import Command
 from lexstack_core.errors import InputError
 from lexstack_core.linear import Vector
@@ -72,7 +73,7 @@ def check_robots(robots: list[str], team: Team, where: str) -> None:
     """Raise InputError unless a message is about this team, in its order."""
     if tuple(robots) != team.names:
         raise InputError(
-            f"{where}: robots: expected {', '.join(team.names)}, got {', '.join(robots) or 'none'}"
+            f"{where}: robots: expected {', '.join(team.names)}, got {shown(list(robots))}"
         )
 
 
@@ -164,11 +165,11 @@ def to_announcement(message: StackRequest, stacks: Any, team: Team) -> Announcem
     where = "/robot_a/stack_request"
     if message.stack not in stacks:
         known = ", ".join(sorted(stacks))
-        raise InputError(f"{where}: unknown stack {message.stack!r}; known: {known}")
+        raise InputError(f"{where}: unknown stack {shown(message.stack)}; known: {known}")
     for name in message.robots:
         if name not in team.names:
             known = ", ".join(team.names)
-            raise InputError(f"{where}: robots: unknown robot {name!r}; known: {known}")
+            raise InputError(f"{where}: robots: unknown robot {shown(name)}; known: {known}")
     robots = tuple(sorted(team.names.index(name) for name in message.robots))
     return Announcement(message.id, message.stack, message.start_tick, message.active, robots)
 
@@ -209,7 +210,8 @@ def pose_message(pose: Pose, stamp: float, quaternion: Vector) -> PoseStamped:
 def _to_pose(message: PoseStamped, where: str) -> Pose:
     """Return a checked pose in the world frame."""
     if message.header.frame_id not in ("", WORLD):
-        raise InputError(f"{where}: frame_id: expected 'world', got {message.header.frame_id!r}")
+        got = shown(message.header.frame_id)
+        raise InputError(f"{where}: frame_id: expected 'world', got {got}")
     place, turn = message.pose.position, message.pose.orientation
     position = to_vector([place.x, place.y, place.z], 3, f"{where}: position")
     quaternion = to_vector([turn.x, turn.y, turn.z, turn.w], 4, f"{where}: orientation")

@@ -9,6 +9,7 @@ from std_srvs.srv import Trigger
 from lexstack_core.config.scenario import ScenarioConfig
 from lexstack_core.model import Team
 from lexstack_core.transition.machine import Transition
+from lexstack_core.transition.request import Answer
 from lexstack_interfaces.msg import StackRequest
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.conversions import stack_request
@@ -57,8 +58,7 @@ class Requests:
         answer = self.transition.ask(
             request.stack, request.duration, request.method, request.at_tick
         )
-        self.announce()
-        self._node.get_logger().info(answer.message)
+        self._tell(answer)
         response.accepted = answer.accepted
         response.id = 0 if answer.request is None else answer.request.id
         response.message = answer.message
@@ -66,17 +66,23 @@ class Requests:
 
     def _on_request(self, message: String) -> None:
         """Do as the service, with the values of the configuration."""
-        answer = self.transition.request(message.data)
-        self.announce()
-        self._node.get_logger().info(answer.message)
+        self._tell(self.transition.request(message.data))
 
     def _on_cancel(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Give up the transition and go back."""
         answer = self.transition.cancel()
-        self.announce()
-        self._node.get_logger().info(answer.message)
+        self._tell(answer)
         response.success, response.message = answer.accepted, answer.message
         return response
+
+    def _tell(self, answer: Answer) -> None:
+        """Tell the source what follows, and the log what was answered; no flood of refusals."""
+        self.announce()
+        log = self._node.get_logger()
+        if answer.accepted:
+            log.info(answer.message)
+        else:
+            log.warning(f"refused: {answer.message}", throttle_duration_sec=1.0)
 
     def _on_parameters(self, duration: float, method: str) -> None:
         """Take changed parameters."""

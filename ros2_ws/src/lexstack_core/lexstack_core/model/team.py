@@ -7,6 +7,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from lexstack_core.bounds import JointLimits
+from lexstack_core.config.checks import shown
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.errors import ConfigurationError
 from lexstack_core.linear import Matrix, Vector
@@ -71,7 +72,7 @@ class Team:
     def index(self, name: str) -> int:
         """Return a robot's place in the order; raises ConfigurationError listing the known."""
         if name not in self.names:
-            raise ConfigurationError(f"unknown robot {name!r}; known: {', '.join(self.names)}")
+            raise ConfigurationError(f"unknown robot {shown(name)}; known: {', '.join(self.names)}")
         return self.names.index(name)
 
     def home(self, resolved: ResolvedScenario) -> Vector:

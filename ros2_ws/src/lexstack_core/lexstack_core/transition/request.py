@@ -6,6 +6,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+from lexstack_core.config.checks import shown
 from lexstack_core.config.scenario import TransitionConfig
 
 MAX_DURATION = 60.0  # s
@@ -146,13 +147,13 @@ class RequestBook:
     def _refusal(self, stack: str, duration: float, method: str, at_tick: int, now: int) -> str:
         """Return why a request cannot be accepted, or an empty text."""
         if stack not in self._stacks:
-            return f"unknown stack {stack!r}; known: {', '.join(sorted(self._stacks))}"
+            return f"unknown stack {shown(stack)}; known: {', '.join(sorted(self._stacks))}"
         if not math.isfinite(duration) or not 0.0 <= duration <= MAX_DURATION:
             return (
                 f"duration: must be in [0, {MAX_DURATION:g}] s (0: as configured), got {duration}"
             )
         if method and method not in self._methods:
-            return f"unknown method {method!r}; known: {', '.join(self._methods)}"
+            return f"unknown method {shown(method)}; known: {', '.join(self._methods)}"
         if at_tick and at_tick <= now:
             return f"at_tick: {at_tick} is over; the present tick is {now}"
         if len(self._scheduled) >= MAX_SCHEDULED and not any(
