@@ -59,8 +59,10 @@ def team_of(resolved: ResolvedScenario, count: int) -> ResolvedScenario:
     """Return a short scenario for ``count`` robots of the first robot's kind, 2 m apart."""
     place = next(iter(resolved.scenario.robots.values()))
     names = [f"robot_{i + 1}" for i in range(count)]
+    # The other stacks name robots that are not there.
+    stacks = {name: resolved.stacks[name] for name in ("track", "reach_base")}
     return changed(
-        resolved,
+        replace(resolved, stacks=stacks),
         robots={name: replace(place, base=(2.0 * i, 0.0, 0.0)) for i, name in enumerate(names)},
         base_target={name: (2.0 * i, -0.5, 0.0) for i, name in enumerate(names)},
         events=(EventConfig(at=_SWITCH, switch="reach_base", duration=_BLEND),),
