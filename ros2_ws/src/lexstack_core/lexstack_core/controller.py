@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 
 from lexstack_core.bounds import Bounds, target_bounds
-from lexstack_core.hqp import HqpSolver, Solution
+from lexstack_core.hqp import HqpSolver, Solution, refusal
 from lexstack_core.in_force import BoxLaw
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
@@ -17,8 +17,6 @@ from lexstack_core.state import RobotState
 from lexstack_core.transition.machine import Transition
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.status import TransitionState
-
-_ROUNDING = 1e-7  # how far a solver may leave the box, in the unit of chi, before it is clipped
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +30,7 @@ class Command:
         chi: the command, shape (n,), inside ``bounds``.
         bounds: the box at this tick.
         slacks: norm of the residual of each level that A solved.
-        fallback: empty, or why the solver's answer was not used: then A brakes.
+        fallback: empty, or why it is not the configured solver's: another one's, or A brakes.
         transitions: where the transition of each channel stands, in the order of their robots.
         solve_time: wall time of the whole tick [s].
     """
@@ -113,19 +111,13 @@ class Controller:
 
 
 def checked(solution: Solution, bounds: Bounds) -> tuple[Vector, str]:
-    """Return the chi that may be sent, shape (n,), and why it is not the solver's, or ''.
+    """Return the chi that may be sent, shape (n,), and what stood in for the solver, or ''.
 
-    A solution that failed, is not finite or leaves the box is replaced by the box's nearest
-    point to zero: the robots brake as fast as their limits allow.
+    The order: the solver that was asked; another one, which its ``note`` tells of; and where no
+    solution may be sent (failed, not finite, out of the box), the box's nearest point to zero: the
+    robots brake as fast as their limits allow.
     """
-    if not solution.solved:
-        reason = solution.reason
-    elif not np.all(np.isfinite(solution.chi)):
-        reason = "the solver returned numbers that are not finite"
-    else:
-        clipped = np.clip(solution.chi, bounds.lower, bounds.upper)
-        excess = float(np.max(np.abs(clipped - solution.chi)))
-        if excess <= _ROUNDING:
-            return clipped, ""
-        reason = f"the solver left the bounds by {excess:.3g}"
-    return np.clip(0.0, bounds.lower, bounds.upper), f"braking: {reason}"
+    reason = refusal(solution, bounds)
+    if reason:
+        return np.clip(0.0, bounds.lower, bounds.upper), f"braking: {reason}"
+    return np.minimum(np.maximum(solution.chi, bounds.lower), bounds.upper), solution.note

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from lexstack_core.linear import Matrix, Vector
@@ -15,20 +17,17 @@ def log3(rotation: Matrix) -> Vector:
 
     At angle pi, where the axis has two signs, the one with the first non-zero component positive.
     """
-    trace = rotation[0, 0] + rotation[1, 1] + rotation[2, 2]
-    skew = np.array(
-        [
-            rotation[2, 1] - rotation[1, 2],
-            rotation[0, 2] - rotation[2, 0],
-            rotation[1, 0] - rotation[0, 1],
-        ]
-    )
-    sine = 0.5 * float(np.sqrt(skew @ skew))
-    angle = float(np.arctan2(sine, 0.5 * (trace - 1.0)))
+    # Plain numbers: on nine of them numpy takes five times as long.
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation.tolist()
+    x, y, z = zy - yz, xz - zx, yx - xy
+    trace = xx + yy + zz
+    skew = np.array([x, y, z])
+    sine = 0.5 * math.sqrt(x * x + y * y + z * z)
+    angle = math.atan2(sine, 0.5 * (trace - 1.0))
     if angle < _SMALL:
         return 0.5 * skew
-    if np.pi - angle > _NEAR_PI:
-        return (0.5 * angle / sine) * skew
+    if math.pi - angle > _NEAR_PI:
+        return np.asarray((0.5 * angle / sine) * skew)
     # Near pi the skew part vanishes: the axis comes from R + R^T = 2 cos I + 2 (1 - cos) a a^T.
     symmetric = 0.5 * (rotation + rotation.T) - np.cos(angle) * np.eye(3)
     column = symmetric[:, int(np.argmax(np.diag(symmetric)))]

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from lexstack_core.bounds import Bounds, target_bounds
 from lexstack_core.hqp import HqpProblem, HqpSolver, Solution
-from lexstack_core.linear import Vector
+from lexstack_core.linear import LinearTask, Vector
 from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References
 from lexstack_core.stack import AT_REST, Level, Stack
 from lexstack_core.tasks import TASKS
+from lexstack_core.transition.part import Part
 
 
 class StackSolver:
@@ -26,6 +28,7 @@ class StackSolver:
         self._stacks = stacks
         self._solver = solver
         self._dt = dt
+        self._parts: dict[tuple[int, ...], Part] = {}
         self._warm: dict[tuple[str, tuple[int, ...] | None], Solution] = {}
 
     def bounds(self, stack: str | Stack, kinematics: Kinematics) -> Bounds:
@@ -44,14 +47,14 @@ class StackSolver:
             references: of this tick.
         """
         known = self._known(stack)
-        problem = HqpProblem(
-            known.linearise(kinematics, references), self.bounds(known, kinematics)
-        )
+        levels, bounds = known.linearise(kinematics, references), self.bounds(known, kinematics)
+        part = self._part(known)
+        problem = HqpProblem(levels, bounds) if part is None else _alone(levels, bounds, part)
         key = (known.name, known.robots)
         solution = self._solver.solve(problem, self._warm.pop(key, None))
         if solution.solved:
             self._warm[key] = solution
-        return solution
+        return solution if part is None else _among_all(solution, part, self._team.n)
 
     def chi(self, stack: Stack, kinematics: Kinematics, references: References) -> Vector:
         """Return the optimum of a stack, shape (n,), or zeros where it cannot be solved."""
@@ -70,3 +73,29 @@ class StackSolver:
     def _known(self, stack: str | Stack) -> Stack:
         """Return a stack, by its name or as it is."""
         return self._stacks[stack] if isinstance(stack, str) else stack
+
+    def _part(self, stack: Stack) -> Part | None:
+        """Return the robots that a stack moves, None for all of them."""
+        robots = stack.robots
+        if robots is None or len(robots) == len(self._team.robots):
+            return None
+        if robots not in self._parts:
+            self._parts[robots] = Part.of(self._team, robots)
+        return self._parts[robots]
+
+
+def _alone(levels: tuple[tuple[LinearTask, ...], ...], bounds: Bounds, part: Part) -> HqpProblem:
+    """Return a problem without the joints that it does not move."""
+    mine = part.columns
+    kept = tuple(
+        tuple(LinearTask(task.name, task.matrix[:, mine], task.lower, task.upper) for task in level)
+        for level in levels
+    )
+    return HqpProblem(kept, Bounds(bounds.lower[mine], bounds.upper[mine]))
+
+
+def _among_all(solution: Solution, part: Part, n: int) -> Solution:
+    """Return the solution of such a problem with the other joints at rest."""
+    chi, active = np.zeros(n), np.zeros(n, dtype=np.int8)
+    chi[part.columns], active[part.columns] = solution.chi, solution.active
+    return replace(solution, chi=chi, active=active)

@@ -15,7 +15,7 @@ from lexstack_core.config.scenario import EventConfig
 from lexstack_core.controller import Command, Controller
 from lexstack_core.hqp import Solution
 from lexstack_core.linear import Vector
-from lexstack_core.model import Team
+from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References, Target, pose_from_config
 from lexstack_core.state import RobotState
 from lexstack_core.transition.status import Announcement, SourceSample, SourceSchedule
@@ -75,6 +75,7 @@ class Loop:
         self.references_b = build_references(resolved, self.parts.team)
         self.solver_b = build_stack_solver(resolved, self.parts)
         self.schedule = SourceSchedule()
+        self._seen_by_b: Kinematics | None = None
         self.record = Record()
         # Whether robot B answers at a tick, how it is asked, and what A hears of its answer;
         # experiments replace them.
@@ -122,8 +123,9 @@ class Loop:
     ) -> SourceSample:
         """Return robot B's answer for this tick, and keep it in the record."""
         begun = perf_counter()
-        kinematics = self.parts.team.kinematics(state)
-        solution = self.solver_b.solve(wanted.stack, kinematics, references)
+        if self._seen_by_b is None or self._seen_by_b.state is not state:
+            self._seen_by_b = self.parts.team.kinematics(state)
+        solution = self.solver_b.solve(wanted.stack, self._seen_by_b, references)
         spent = self.record.b_times.get(state.tick, 0.0)
         self.record.b_times[state.tick] = spent + perf_counter() - begun
         chi = self.record.sources.setdefault(state.tick, np.zeros_like(solution.chi))

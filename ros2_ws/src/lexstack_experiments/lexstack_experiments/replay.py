@@ -25,22 +25,26 @@ class Tape:
 
     resolved: ResolvedScenario
     states: tuple[RobotState, ...]
-    samples: dict[int, SourceSample]  # by tick
+    samples: dict[int, list[SourceSample]]  # by tick
     commands: tuple[Command, ...]
 
     @classmethod
     def of(cls, resolved: ResolvedScenario) -> Tape:
         """Record a scenario in the ideal plant."""
-        loop = Loop(resolved, IdealPlant(resolved, Team.from_scenario(resolved)))
-        samples: dict[int, SourceSample] = {}
+        return cls.of_loop(Loop(resolved, IdealPlant(resolved, Team.from_scenario(resolved))))
+
+    @classmethod
+    def of_loop(cls, loop: Loop) -> Tape:
+        """Record a loop that has not run yet."""
+        samples: dict[int, list[SourceSample]] = {}
 
         def keep(sample: SourceSample) -> SourceSample:
-            samples[sample.tick] = sample
+            samples.setdefault(sample.tick, []).append(sample)
             return sample
 
         loop.link = keep
         record = loop.run()
-        return cls(resolved, tuple(record.states), samples, tuple(record.commands))
+        return cls(loop.resolved, tuple(record.states), samples, tuple(record.commands))
 
     @property
     def blending(self) -> list[bool]:
@@ -68,8 +72,7 @@ class Tape:
         try:
             for k, state in enumerate(self.states):
                 controller.transition.take_announcements()
-                sample = self.samples.get(state.tick)
-                if sample is not None:
+                for sample in self.samples.get(state.tick, ()):
                     controller.transition.hear(sample)
                 begun = perf_counter()
                 command = controller.tick(state)

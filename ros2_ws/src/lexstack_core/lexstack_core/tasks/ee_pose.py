@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,7 +62,7 @@ def pose_error(actual: Pose, desired: Pose) -> Vector:
     """Return (p_d - p [m], R log3(R^T R_d) [rad]) in the world frame, shape (6,)."""
     error = np.empty(6)
     error[:3] = desired.position - actual.position
-    error[3:] = actual.rotation @ log3(actual.rotation.T @ desired.rotation)
+    error[3:] = actual.rotation.dot(log3(actual.rotation.T.dot(desired.rotation)))
     return error
 
 
@@ -70,4 +71,4 @@ def saturated(vector: Vector, limit: float) -> Vector:
 
     A plain cut would bend sharply where it ends: a jump of gain x limit in acceleration.
     """
-    return vector / float(np.sqrt(1.0 + (vector @ vector) / (limit * limit)))
+    return vector / math.sqrt(1.0 + float(vector.dot(vector)) / (limit * limit))

@@ -5,6 +5,7 @@ from lexstack_experiments.experiments import (
     computation,
     obstacle,
     realism,
+    robots,
     sudden_limits,
     transition_methods,
     transition_sequence,
@@ -15,6 +16,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "sudden-limits": sudden_limits.EXPERIMENT,
     "computation": computation.EXPERIMENT,
     "transition-methods": transition_methods.EXPERIMENT,
+    "robots": robots.EXPERIMENT,
     "obstacle": obstacle.EXPERIMENT,
     "realism": realism.EXPERIMENT,
 }

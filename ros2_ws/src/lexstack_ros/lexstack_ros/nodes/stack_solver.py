@@ -10,6 +10,7 @@ from rclpy.node import Node
 
 from lexstack_core.build import Parts, build_references, build_stack_solver
 from lexstack_core.errors import InputError
+from lexstack_core.model import Kinematics
 from lexstack_core.state import RobotState
 from lexstack_core.transition.status import Announcement, SourceSchedule
 from lexstack_interfaces.msg import Chi, StackRequest
@@ -67,15 +68,20 @@ class StackSolverNode(Node):
             return
         if self._served[0] != state.tick:
             self._served = (state.tick, set())
-        for wanted in self._schedule.current(state.tick):
-            if wanted.id not in self._served[1]:
-                self._served[1].add(wanted.id)
-                self._send(wanted, state)
-
-    def _send(self, wanted: Announcement, state: RobotState) -> None:
-        """Solve one stack for a state, and send its optimum."""
+        due = [w for w in self._schedule.current(state.tick) if w.id not in self._served[1]]
+        if not due:
+            return
         begun = perf_counter()
         kinematics = self._parts.team.kinematics(state)
+        for wanted in due:
+            self._served[1].add(wanted.id)
+            self._send(wanted, state, kinematics, begun)
+            begun = perf_counter()
+
+    def _send(
+        self, wanted: Announcement, state: RobotState, kinematics: Kinematics, begun: float
+    ) -> None:
+        """Solve one stack for a state, and send its optimum; ``begun``: when its work began [s]."""
         references = self._targets.schedule.at(state.stamp)
         solution = self._solver.solve(wanted.stack, kinematics, references)
         bounds = self._solver.bounds(wanted.stack, kinematics)

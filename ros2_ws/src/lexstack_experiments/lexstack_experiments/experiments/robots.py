@@ -1,0 +1,287 @@
+"""N robots change their stack, all at once or one by one: what a tick costs, and that chi is right.
+
+One by one, every robot is on a transition of its own, with its own alpha, and all of them are
+under way at the same time. The scenarios are made in memory: the robots stand on a grid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack_core.build import Parts, build_controller
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.config.scenario import EventConfig, PlacementConfig
+from lexstack_core.hqp import SOLVERS, HqpProblem, HqpSolver, Solution, make_solver
+from lexstack_core.linear import Vector
+from lexstack_core.model import Team
+from lexstack_core.transition.status import Phase
+from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.ideal import IdealPlant
+from lexstack_experiments.loop import Loop
+from lexstack_experiments.pictures import picture
+from lexstack_experiments.replay import Tape
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+from lexstack_experiments.runs import changed, scenario_of
+
+NAME = "robots"
+SIZES = (2, 4, 8, 16, 32)
+WAYS = ("at once", "one by one")
+_STACK = "reach_base"
+_SPACING = 3.0  # m from base to base
+_BLEND = 0.6  # s
+_FIRST, _LAST = 0.1, 0.4  # s, between which the switches are asked for, one by one
+_DURATION = 1.4  # s
+_PASSES = 5
+_GOALS = {8: 4.5, 32: 20.0}  # times the cost of two robots
+_SAME = 1e-6  # m/s, rad/s
+_EVERY = 20  # ticks from one comparison with the dense solution to the next
+_US = 1e6
+
+_COLUMNS = (
+    "robots", "switch", "channels", "idle us", "blending us", "x 2 robots", "us per robot",
+    "off dense", "acc. ratio", "adopted",
+)  # fmt: skip
+_NOTES = (
+    "idle, blending: median over the ticks before the first switch, and over those at which all",
+    "robots are in a blend, of the median over the passes; x 2 robots: that of blending, over two",
+    "robots in the same passes; off dense: chi from the optimum of all joints solved together,",
+    f"without clusters, at every {_EVERY}th tick; acc. ratio: peak of the command over the limit.",
+)
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A number of robots and a way to switch them, played once.
+
+    Attributes:
+        count: of the robots.
+        way: how they switch.
+        tape: the closed loop, to be replayed.
+        apart: largest difference from the dense solution, m/s and rad/s.
+        channels: the most that there were at a time.
+        adopted: robots that have adopted the stack at the end.
+        peak: of the acceleration over its limit.
+        blending: the ticks at which all robots are in a blend.
+    """
+
+    count: int
+    way: str
+    tape: Tape
+    apart: float
+    channels: int
+    adopted: int
+    peak: float
+    blending: Mask
+
+
+class DenseCheck:
+    """The scenario's solver; now and then its chi is held against one solve of all joints."""
+
+    def __init__(self, name: str) -> None:
+        """Check the solver of this name."""
+        self.name = name
+        self.apart = 0.0
+        self._solver = make_solver(name)
+        self._dense = SOLVERS[name]()
+        self._count = 0
+
+    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
+        """Return the solver's solution."""
+        solution = self._solver.solve(problem, warm)
+        if self._count % _EVERY == 0:
+            apart = np.abs(solution.chi - self._dense.solve(problem).chi)
+            self.apart = max(self.apart, float(apart.max()))
+        self._count += 1
+        return solution
+
+
+def run(options: Options) -> Results:
+    """Play all sizes in both ways, then replay them in turns."""
+    base = scenario_of(options.config)
+    sizes = SIZES[: options.cases]
+    cases = []
+    for count in sizes:
+        cases += [played(base, count, way) for way in WAYS]
+        options.say(f"{count} robots: played at once and one by one")
+    times: dict[tuple[int, str], list[Vector]] = {(c.count, c.way): [] for c in cases}
+    for number in range(_PASSES + 1):
+        for case in cases:
+            controller = build_controller(case.tape.resolved, Parts.of(case.tape.resolved))
+            spent, _ = case.tape.play(controller)
+            if number:  # the first pass warms up
+                times[case.count, case.way].append(_US * spent)
+        options.say(f"pass {number} of {_PASSES}")
+    rows = [_row(case, np.array(times[case.count, case.way]), times) for case in cases]
+    draw(cases, rows, options.out / "robots.png")
+    return Results(
+        NAME,
+        options.seed,
+        options.cases,
+        tuple(_figures(cases, rows)),
+        (Table(_COLUMNS, tuple(rows)),),
+        {"plant": "ideal", "rate_hz": base.scenario.rate, "blend_s": _BLEND, "passes": _PASSES},
+        _NOTES,
+    )
+
+
+def team_on_a_grid(base: ResolvedScenario, count: int, way: str) -> ResolvedScenario:
+    """Return a short scenario for ``count`` robots of the first robot's kind on a grid."""
+    model = next(iter(base.scenario.robots.values())).model
+    names = [f"mover_{i + 1}" for i in range(count)]
+    side = int(np.ceil(np.sqrt(count)))
+    spots = [(_SPACING * (i % side), _SPACING * (i // side), 0.0) for i in range(count)]
+    stack = base.stacks[_STACK]
+    single = {
+        f"{_STACK}_{name}": replace(stack, name=f"{_STACK}_{name}", robots=(name,))
+        for name in names
+    }
+    if way == WAYS[0]:
+        events = [EventConfig(at=_FIRST, switch=_STACK, duration=_BLEND)]
+    else:
+        times = np.round(np.linspace(_FIRST, _LAST, count), 2)
+        events = [
+            EventConfig(at=float(time), switch=name, duration=_BLEND)
+            for time, name in zip(times, single, strict=True)
+        ]
+    kept = {name: base.stacks[name] for name in ("track", _STACK)}
+    return changed(
+        replace(base, stacks=kept | single),
+        robots={
+            name: PlacementConfig(model=model, base=spot)
+            for name, spot in zip(names, spots, strict=True)
+        },
+        base_target={name: (x, y - 0.5, 0.0) for name, (x, y, _) in zip(names, spots, strict=True)},
+        events=tuple(events),
+        duration=_DURATION,
+    )
+
+
+def played(base: ResolvedScenario, count: int, way: str) -> Case:
+    """Return a case, played in the ideal plant."""
+    resolved = team_on_a_grid(base, count, way)
+    checks: list[DenseCheck] = []
+
+    def solver() -> HqpSolver:
+        checks.append(DenseCheck(resolved.scenario.solver))
+        return checks[-1]
+
+    parts = Parts.of(resolved)
+    controller = build_controller(resolved, parts, solver)
+    loop = Loop(resolved, IdealPlant(resolved, parts.team), controller)
+    tape = Tape.of_loop(loop)
+    commands = tape.commands
+    chi = np.array([command.chi for command in commands])
+    steps = np.diff(chi, axis=0) / (parts.dt * parts.team.limits.acceleration)
+    wanted = {Phase.BLENDING}
+    return Case(
+        count,
+        way,
+        tape,
+        max(check.apart for check in checks),
+        max(len(command.transitions) for command in commands),
+        _adopted(commands[-1].transitions),
+        float(np.abs(steps).max()),
+        np.array([{state.phase for state in c.transitions} == wanted for c in commands]),
+    )
+
+
+def _adopted(states: tuple) -> int:
+    """Return how many robots serve the new stack."""
+    return sum(
+        len(state.robots)
+        for state in states
+        if state.phase is Phase.IDLE and state.to_stack.startswith(_STACK)
+    )
+
+
+def _row(
+    case: Case, mine: NDArray[np.float64], times: dict[tuple[int, str], list[Vector]]
+) -> tuple[Cell, ...]:
+    """Return a line of the table; ``mine`` of shape (passes, ticks) [us]."""
+    two = np.array(times[SIZES[0], case.way])
+    first = round(_FIRST * case.tape.resolved.scenario.rate)
+    idle = float(np.median(np.median(mine[:, 1:first], axis=0)))
+    busy = np.median(mine[:, case.blending], axis=1)
+    others = np.median(two[:, case.blending[: two.shape[1]]], axis=1)
+    middle = float(np.median(busy))
+    return (
+        case.count,
+        case.way,
+        case.channels,
+        idle,
+        middle,
+        float(np.median(busy / others)),
+        middle / case.count,
+        case.apart,
+        case.peak,
+        case.adopted,
+    )
+
+
+def _figures(cases: list[Case], rows: list[tuple[Cell, ...]]) -> list[Figure]:
+    """Return the figures to reach."""
+    found = {(row[0], row[1]): row for row in rows}
+    figures = []
+    for count, limit in _GOALS.items():
+        for way in WAYS:
+            row = found.get((count, way))
+            ratio = None if row is None else float(row[5] or 0.0)
+            title = f"Tick of {count} robots over that of 2, {way}"
+            figures.append(Figure(title, ratio, "x", Goal("<=", limit)))
+    left = sum(case.count - case.adopted for case in cases)
+    return [
+        *figures,
+        Figure(
+            "chi off the dense solution",
+            max(case.apart for case in cases),
+            "m/s, rad/s",
+            Goal("<=", _SAME),
+        ),
+        Figure(
+            "Largest acceleration / limit", max(c.peak for c in cases), "", Goal("<=", 1.0, 1e-6)
+        ),
+        Figure("Robots that have not adopted their stack", left, "", Goal("==", 0.0)),
+    ]
+
+
+def draw(cases: list[Case], rows: list[tuple[Cell, ...]], path: Path) -> None:
+    """Write the cost over the number of robots, and alpha of every channel one by one."""
+    with picture(path, 1, 2, (8.0, 3.0)) as axes:
+        for way in WAYS:
+            points = [(row[0], row[4]) for row in rows if row[1] == way]
+            axes[0].plot(*zip(*points, strict=True), "o-", label=f"switch {way}")
+        counts = sorted({case.count for case in cases})
+        start = next(float(row[4] or 0.0) for row in rows if row[1] == WAYS[0])
+        axes[0].plot(
+            counts, [start * c / counts[0] for c in counts], ":", color="#555555", label="linear"
+        )
+        axes[0].set_xscale("log", base=2)
+        axes[0].set_yscale("log")
+        axes[0].set_xticks(counts, [str(count) for count in counts])
+        axes[0].set_title("time of a tick [µs] over robots", loc="left")
+        axes[0].legend()
+        _draw_alphas(next(c for c in cases[::-1] if c.way == WAYS[1]), axes[1].plot)
+        axes[1].set_title("α of every robot, one by one, over time [s]", loc="left")
+
+
+def _draw_alphas(case: Case, plot: Callable[..., object]) -> None:
+    """Draw alpha of every robot that is in a blend."""
+    team = Team.from_scenario(case.tape.resolved)
+    for name in team.names:
+        points = [
+            (command.stamp, state.alpha)
+            for command in case.tape.commands
+            for state in command.transitions
+            if name in state.robots and state.phase in (Phase.BLENDING, Phase.ADOPTING)
+        ]
+        plot(*zip(*points, strict=True), linewidth=0.8)
+
+
+EXPERIMENT = Experiment("N robots switch at once and one by one", "sizes", len(SIZES), run)

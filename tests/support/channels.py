@@ -1,0 +1,60 @@
+"""The default scenario with stacks for single robots, and closed loops of it."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.transition.status import SourceSample, TransitionState
+from lexstack_experiments.ideal import IdealPlant
+from lexstack_experiments.loop import Loop
+from support.scenario import resolved, team
+
+BASES = ("track", "reach_base", "posture")
+ROBOTS = ("robot_a", "robot_b")
+
+
+@cache
+def with_single_stacks() -> ResolvedScenario:
+    """Return the default scenario with ``NAME_ROBOT`` for each of its stacks and robots."""
+    base = resolved()
+    stacks = dict(base.stacks)
+    for name in BASES:
+        for robot in ROBOTS:
+            single = f"{name}_{robot}"
+            stacks[single] = dataclasses.replace(stacks[name], name=single, robots=(robot,))
+    return dataclasses.replace(base, stacks=stacks)
+
+
+def loop(**values: Any) -> Loop:
+    """Return a closed loop in the ideal plant, with some values of the scenario replaced."""
+    base = with_single_stacks()
+    scenario = dataclasses.replace(base.scenario, **({"events": ()} | values))
+    changed = dataclasses.replace(base, scenario=scenario)
+    return Loop(changed, IdealPlant(changed, team()))
+
+
+def chi_of(run: Loop, robot: str) -> np.ndarray:
+    """Return the commands of one robot so far, shape (ticks, n_robot)."""
+    part = team().slices[team().index(robot)]
+    return np.array([command.chi[part] for command in run.record.commands])
+
+
+def state_of(run: Loop, robot: str, tick: int = -1) -> TransitionState:
+    """Return what A told of one robot at a tick."""
+    states = run.record.commands[tick].transitions
+    (state,) = (state for state in states if robot in state.robots)
+    return state
+
+
+def silent_for(*ids: int) -> Any:
+    """Return a link on which B's answers for these transitions are lost."""
+
+    def link(sample: SourceSample) -> SourceSample | None:
+        return None if sample.transition_id in ids else sample
+
+    return link
