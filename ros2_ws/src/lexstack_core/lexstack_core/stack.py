@@ -47,12 +47,18 @@ class Stack:
         levels: highest first.
         limits: of all joints while this stack is in effect; None: the robots' own.
         robots: places in the team of the robots that it moves; None: all.
+        planned: whether A follows the MPC's plan on it; its levels stand in for a lost one.
     """
 
     name: str
     levels: tuple[Level, ...]
     limits: JointLimits | None = None
     robots: tuple[int, ...] | None = None
+    planned: bool = False
+
+    def first(self, kinematics: Kinematics, references: References) -> tuple[LinearTask, ...]:
+        """Return level 1 made linear, which A keeps above the way to a source; none on a plan."""
+        return () if self.planned else self.levels[0].linearise(kinematics, references)
 
     def linearise(
         self, kinematics: Kinematics, references: References
@@ -65,7 +71,7 @@ class Stack:
         if robots == self.robots:
             return self
         levels = tuple(level.of(robots) for level in self.levels)
-        return Stack(self.name, levels, self.limits, robots)
+        return Stack(self.name, levels, self.limits, robots, self.planned)
 
     def coupling(self, robots: Collection[int]) -> str:
         """Return the name of a task that moves both some of these robots and others, or ''."""
@@ -112,7 +118,8 @@ def build_stack(config: StackConfig, team: Team) -> Stack:
             scales += [float(np.sqrt(task.weight))] * len(built)
         levels.append(Level(tuple(tasks), tuple(scales)))
     _check_names(config.name, levels)
-    return Stack(config.name, tuple(levels), _build_limits(config, team), robots)
+    limits, planned = _build_limits(config, team), config.source == "htmpc"
+    return Stack(config.name, tuple(levels), limits, robots, planned)
 
 
 def _build_tasks(config: TaskConfig, team: Team, where: str, everyone: Sequence[int]) -> list[Task]:

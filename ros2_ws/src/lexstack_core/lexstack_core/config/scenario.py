@@ -99,6 +99,7 @@ class TimeoutsConfig:
     source_wall: float = 1.0  # s of wall time that A waits for B's chi of a tick (lockstep)
     source_stale: float = 0.05  # s of simulated time after which B's chi is stale (realtime)
     source_patience: float = 0.5  # s of simulated time that A waits for B's first chi (realtime)
+    plan_stale: float = 0.25  # s of simulated time after which a plan is stale (realtime)
     command_wall: float = 2.0  # s of wall time that the bridge waits for a command (lockstep)
     watchdog: float = 0.1  # s of simulated time without a command after which the bases brake
 
@@ -109,9 +110,26 @@ class TimeoutsConfig:
             source_wall=self.source_wall,
             source_stale=self.source_stale,
             source_patience=self.source_patience,
+            plan_stale=self.plan_stale,
             command_wall=self.command_wall,
             watchdog=self.watchdog,
         )
+
+
+@dataclass(frozen=True, slots=True)
+class HtmpcRunConfig:
+    """How the HTMPC runs beside the controllers."""
+
+    parameters: str = "lexstack"  # a file of config/htmpc
+    rate: float = 20.0  # Hz, plans per simulated second; rounded to whole ticks
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a rate that is not positive."""
+        positive(where, rate=self.rate)
+
+    def ticks(self, rate: float) -> int:
+        """Return the ticks from plan to plan, given the ticks per second."""
+        return max(1, round(rate / self.rate))
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,6 +165,7 @@ class ScenarioConfig:
     plant: PlantConfig = field(default_factory=PlantConfig)  # default: as its model says
     timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)
     limit_jerk: bool = False  # at every tick, not only in transitions by bridge_jerk
+    htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)
     solver: str = "daqp"  # a key of lexstack_core.hqp.SOLVERS
     mode: Mode = "lockstep"
     seed: int = 0

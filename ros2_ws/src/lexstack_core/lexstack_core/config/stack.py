@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 from lexstack_core.config.checks import positive
 from lexstack_core.errors import ConfigurationError
@@ -68,6 +68,9 @@ class StackConfig:
     description: str
     levels: tuple[LevelConfig, ...]
     robots: tuple[str, ...] = ()  # that it moves; empty: all of the scenario
+    # Who solves it in a transition. htmpc: robot A follows the MPC's plan for as long as it is on
+    # this stack, and serves its levels where the plan is lost.
+    source: Literal["robot_b", "htmpc"] = "robot_b"
     limits: dict[str, dict[str, JointLimitConfig]] = field(default_factory=dict)  # robot, joint
 
     def validate(self, where: str) -> None:

@@ -119,7 +119,8 @@ class Blend:
     def of(self, part: Part) -> Blend:
         """Return the blend of some of its robots, which goes on as it is."""
         way = self.way.of(part)
-        epsilon, tasks = self.bridge.epsilon, self.way.target.levels[0].tasks
+        target = self.way.target
+        epsilon, tasks = self.bridge.epsilon, () if target.planned else target.levels[0].tasks
         if epsilon is not None:
             kept = [set(task.robots) <= set(part.robots) for task in tasks]
             epsilon = tuple(gap for gap, mine in zip(epsilon, kept, strict=True) if mine)
@@ -174,7 +175,7 @@ class Blend:
         """
         if moment.references is moment.before or self.start == moment.tick:
             return False
-        old = self.way.target.levels[0].linearise(moment.kinematics, moment.before)
+        old = self.way.target.first(moment.kinematics, moment.before)
         return not follows_within(level, old, means.reach)
 
     def problem(self, level: tuple[LinearTask, ...], moment: Moment, means: Means) -> HqpProblem:
@@ -187,12 +188,19 @@ class Blend:
             self.source_chi,
             means.bounds,
             means.before,
-            new=lambda: way.target.linearise(*state),
+            new=lambda: self._new(moment),
             old=lambda: way.origin.linearise(*state),
             free=means.free,
             solve=means.solve,
         )
         return METHODS[self.request.method](view, self.bridge, self.progress.alpha)
+
+    def _new(self, moment: Moment) -> tuple[tuple[LinearTask, ...], ...]:
+        """Return all levels of the stack that A goes to; on a plan to follow that alone."""
+        way = self.way
+        if way.target.planned:
+            return (way.part.follow(self.source_chi),)
+        return way.target.linearise(moment.kinematics, moment.references)
 
     def _gap(self, elapsed: float) -> Vector:
         """Return the gap after ``elapsed`` seconds, shape (n,)."""

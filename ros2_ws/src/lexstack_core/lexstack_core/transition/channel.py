@@ -88,11 +88,12 @@ class Channel:
     ) -> tuple[Channel, Plan]:
         """Return what A solves in a blend; latch anew where the source or level 1 changed."""
         request, target, source, reason = blend.request, blend.way.target, blend.source, self.reason
-        level = target.levels[0].linearise(moment.kinematics, moment.references)
+        adopts, asked = adopts and not target.planned, asked_of(target)
+        level = target.first(moment.kinematics, moment.references)
         if not blend.takes_over:
             # A part of a stack cannot be compared with what B says of the whole.
             known = level if blend.way.whole else ()
-            source, why = sources.present(source, request.id, moment.tick, known)
+            source, why = sources.present(source, request.id, moment.tick, known, asked)
             reason = why or reason
         chi = sources.chi(source, request.id, target, moment)
         if source is not blend.source or blend.level_jumps(level, moment, means):
@@ -117,12 +118,17 @@ class Channel:
     def finished(self, plan: Plan, sources: Sources, *, adopts: bool) -> Channel:
         """Return the channel after the tick: at the end it has adopted the stack."""
         blend = self.blend
-        if blend is None or plan.alpha < 1.0 or not adopts:
+        if blend is None or plan.alpha < 1.0 or not adopts or blend.way.target.planned:
             return replace(self, aborted="") if self.aborted else self
         target, aborted = blend.way.target, ""
         if blend.source is Source.MINIMUM_VELOCITY:
             target, aborted = sources.at_rest(target), f"{self.reason}; at rest"
         return replace(self, adopted=(target,), blend=None, aborted=aborted)
+
+
+def asked_of(stack: Stack) -> Source:
+    """Return who is to solve a stack for A."""
+    return Source.HTMPC if stack.planned else Source.ROBOT_B
 
 
 def past_of(
@@ -147,9 +153,7 @@ def past_of(
     """
     kinematics = moment.kinematics
     old = tuple(
-        task
-        for channel in channels
-        for task in channel.target.levels[0].linearise(kinematics, moment.before)
+        task for channel in channels for task in channel.target.first(kinematics, moment.before)
     )
     same = goes_on(level, old, means.reach)
     references = moment.references if same else moment.before

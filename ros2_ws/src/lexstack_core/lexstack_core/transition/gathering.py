@@ -35,7 +35,7 @@ def begun(
         means: what the controller lends.
     """
     part, target, whole = goal
-    level = target.levels[0].linearise(moment.kinematics, moment.references)
+    level = target.first(moment.kinematics, moment.references)
     past = past_of(channels, level, request.duration, moment, means)
     way = Way(request, part, joined([channel.target for channel in channels]), target, whole)
     blend = Blend.latched(way, source[:2], level, past, moment)

@@ -13,17 +13,17 @@ from lexstack_core.references import References
 from lexstack_core.stack import AT_REST, Stack
 from lexstack_core.transition.announcer import Announcer, Wanted
 from lexstack_core.transition.asked import AskedLimits
-from lexstack_core.transition.channel import Channel
+from lexstack_core.transition.channel import Channel, asked_of
 from lexstack_core.transition.gathering import begun, together
 from lexstack_core.transition.methods import JERK_LIMITED, METHODS
 from lexstack_core.transition.part import Part
 from lexstack_core.transition.plan import Means, Plans
+from lexstack_core.transition.plan_book import HeardPlan, PlanBook
 from lexstack_core.transition.request import Answer, RequestBook, SwitchRequest, in_effect
 from lexstack_core.transition.sources import LocalSource, Moment, Sources
 from lexstack_core.transition.status import (
     Announcement,
     Phase,
-    Source,
     SourceSample,
     TransitionState,
 )
@@ -60,6 +60,7 @@ class Transition:
         self._stacks = stacks
         self._team = team
         self._sources = Sources(local, scenario)
+        self._plans = PlanBook(team, scenario)
         self._book = RequestBook(whose, METHODS, scenario.transition)
         self._adopts = scenario.transition.at_end == "adopt"
         self._lockstep = scenario.mode == "lockstep"
@@ -134,11 +135,16 @@ class Transition:
         """Take the source's newest chi of a transition."""
         self._sources.hear(sample)
 
+    def hear_plan(self, plan: HeardPlan) -> None:
+        """Take a plan of the HTMPC, for the stacks that follow it."""
+        self._plans.hear(plan)
+
     def awaits(self, tick: int) -> bool:
         """Return whether this tick needs a chi of the source that is not there yet (lockstep)."""
         if not self._lockstep:
             return False
         due = self._due(tick)
+        self._sample_plans(due, tick)
         if any(self._sources.fresh(request.id, tick) is None for request in due):
             return True
         leaving = {robot for request in due for robot in request.robots}
@@ -193,6 +199,7 @@ class Transition:
         """
         self._tick = kinematics.state.tick
         due = self._due(self._tick)
+        self._sample_plans(due, self._tick)
         held: set[int] = set()
         if due:
             self._book.due(self._tick)
@@ -226,6 +233,17 @@ class Transition:
 
     # ---- inside
 
+    def _sample_plans(self, due: Iterable[SwitchRequest], tick: int) -> None:
+        """Hear the plans that are followed, or are to be, as chi of this tick."""
+        blends = [channel.blend for channel in self._channels if channel.blend is not None]
+        followed = {blend.request.id: blend.way for blend in blends if blend.way.target.planned}
+        wanted = {id_: way.part.robots for id_, way in followed.items()}
+        wanted |= {r.id: r.robots for r in due if self._stacks[r.stack].planned}
+        for id_, robots in wanted.items():
+            chi = self._plans.sample(robots, tick)
+            if chi is not None:
+                self._sources.hear(SourceSample(id_, tick, chi, solved=True))
+
     def _due(self, tick: int) -> tuple[SwitchRequest, ...]:
         """Return the requests whose tick has come, the older ones first."""
         due = self._book.peek(tick)
@@ -240,7 +258,8 @@ class Transition:
         """
         starting, waiting, held = [], [], set[int]()
         for request in due:
-            first = self._sources.first(request.id, request.at_tick, tick)
+            asked = asked_of(self._stacks[request.stack])
+            first = self._sources.first(request.id, request.at_tick, tick, asked=asked)
             if first is None or held.intersection(request.robots):
                 waiting.append(request)
                 held.update(request.robots)
@@ -267,8 +286,9 @@ class Transition:
         before = _before(inside, references)
         moment = Moment(kinematics, references, before)
         whole = target is self._stacks[request.stack]
-        level = target.levels[0].linearise(kinematics, references) if whole else ()
-        found = self._sources.first(request.id, request.at_tick, tick, level)
+        level = target.first(kinematics, references) if whole else ()
+        asked = asked_of(target)
+        found = self._sources.first(request.id, request.at_tick, tick, level, asked)
         assert found is not None
         source, why = found
         chi = self._sources.chi(source, request.id, target, moment)
@@ -286,7 +306,7 @@ class Transition:
         if self._sources.fresh(blend.request.id, tick) is not None:
             return False
         # Once lost, B is waited for again only after it has been heard again.
-        return blend.source is Source.ROBOT_B or self._sources.answered_since(
+        return blend.source is asked_of(blend.way.target) or self._sources.answered_since(
             blend.request.id, blend.start
         )
 

@@ -103,44 +103,56 @@ class Sources:
         return 0.0 if miss <= _ROUNDING * (1.0 + heard.slack) else miss
 
     def first(
-        self, transition_id: int, asked_at: int, tick: int, level: Rows = ()
+        self,
+        transition_id: int,
+        asked_at: int,
+        tick: int,
+        level: Rows = (),
+        asked: Source = Source.ROBOT_B,
     ) -> tuple[Source, str] | None:
         """Return whom to follow into a new stack and why, or None while the wait goes on.
 
-        ``level`` is level 1 of the new stack at this tick.
+        ``level`` is level 1 of the new stack at this tick, ``asked`` who is to solve it.
         """
         if self.fresh(transition_id, tick) is not None:
             miss = self.wrong_by(transition_id, tick, level)
-            return (self._lost, _wrong(tick, miss, self._lost)) if miss else (Source.ROBOT_B, "")
+            return (self._lost, _wrong(tick, miss, self._lost)) if miss else (asked, "")
         if tick - asked_at >= self._patience:
-            return self._lost, f"robot B sent no chi by tick {tick}: {_instead(self._lost)}"
+            instead = _instead(self._lost, asked)
+            return self._lost, f"{asked.called} sent no chi by tick {tick}: {instead}"
         return None
 
     def present(
-        self, source: Source, transition_id: int, tick: int, level: Rows
+        self,
+        source: Source,
+        transition_id: int,
+        tick: int,
+        level: Rows,
+        asked: Source = Source.ROBOT_B,
     ) -> tuple[Source, str]:
         """Return whom to follow now, and why where it is no longer ``source``, else ''.
 
-        ``level`` is level 1 of the new stack at this tick.
+        ``level`` is level 1 of the new stack at this tick, ``asked`` who is to solve it.
         """
         if self.fresh(transition_id, tick) is not None:
-            changed, miss = source is not Source.ROBOT_B, self.wrong_by(transition_id, tick, level)
+            changed, miss = source is not asked, self.wrong_by(transition_id, tick, level)
             if not miss:
-                return Source.ROBOT_B, f"robot B is back at tick {tick}" if changed else ""
+                return asked, f"{asked.called} is back at tick {tick}" if changed else ""
             return (source, "") if changed else (self._lost, _wrong(tick, miss, self._lost))
-        if source is not Source.ROBOT_B:
+        if source is not asked:
             return source, ""
         heard = self._heard.get(transition_id)
         last = "nothing" if heard is None else f"tick {heard.tick}"
-        lost = f"robot B lost at tick {tick}, last heard {last}: {_instead(self._lost)}"
+        instead = _instead(self._lost, asked)
+        lost = f"{asked.called} lost at tick {tick}, last heard {last}: {instead}"
         return self._lost, lost
 
     def chi(self, source: Source, transition_id: int, stack: Stack, moment: Moment) -> Vector:
         """Return the chi of a source for this tick, shape (n,).
 
-        From robot B it must be fresh: ``first`` and ``present`` choose it only then.
+        From robot B or the MPC it must be fresh: ``first`` and ``present`` choose it only then.
         """
-        if source is Source.ROBOT_B:
+        if source in (Source.ROBOT_B, Source.HTMPC):
             fresh = self.fresh(transition_id, moment.tick)
             assert fresh is not None
             return fresh
@@ -158,8 +170,10 @@ def _wrong(tick: int, miss: float, instead: Source) -> str:
     return f"robot B's chi at tick {tick} misses level 1 by {miss:.2g}: {_instead(instead)}"
 
 
-def _instead(source: Source) -> str:
-    """Return what A follows in place of robot B, in words."""
+def _instead(source: Source, asked: Source = Source.ROBOT_B) -> str:
+    """Return what A follows in place of the source that was asked, in words."""
+    if asked is Source.HTMPC:
+        return "the robots come to rest"
     if source is Source.LOCAL:
         return "robot A solves the new stack itself"
     return "robot A goes to minimum velocity"

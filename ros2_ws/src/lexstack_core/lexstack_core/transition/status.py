@@ -24,8 +24,14 @@ class Source(Enum):
 
     NONE = ""
     ROBOT_B = "robot_b"
+    HTMPC = "htmpc"
     LOCAL = "local"  # A solves the new stack itself
     MINIMUM_VELOCITY = "minimum_velocity"
+
+    @property
+    def called(self) -> str:
+        """What it is called in sentences."""
+        return "the MPC" if self is Source.HTMPC else self.value.replace("_b", " B")
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,7 +51,7 @@ def told(
         )
     mine = channel.part.columns
     gap = 0.0 if plan.source is None else float(np.abs(chi[mine] - plan.source[mine]).max())
-    at_end = plan.alpha >= 1.0 and adopts
+    at_end = plan.alpha >= 1.0 and adopts and not blend.way.target.planned
     phase = Phase.ADOPTING if at_end else Phase.BLENDING
     return TransitionState(
         channel.id,

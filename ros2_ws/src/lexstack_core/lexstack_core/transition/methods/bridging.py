@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from lexstack_core.hqp import HqpProblem
 from lexstack_core.transition.bridge import Bridge, bridged
-from lexstack_core.transition.methods.view import View
+from lexstack_core.transition.methods.view import View, below
 
 
 def bridge(view: View, latched: Bridge, alpha: float) -> HqpProblem:
     """Return level 1 and the way to the source, both with their latched gap fading out."""
     first, target = bridged(latched, view.first, view.source, alpha)
-    return HqpProblem((first, view.part.follow(target)), view.bounds)
+    return HqpProblem(below(first, view.part.follow(target)), view.bounds)

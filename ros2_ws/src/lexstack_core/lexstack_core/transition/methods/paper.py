@@ -5,7 +5,7 @@ from __future__ import annotations
 from lexstack_core.bounds import Bounds
 from lexstack_core.hqp import HqpProblem
 from lexstack_core.transition.bridge import Bridge
-from lexstack_core.transition.methods.view import View
+from lexstack_core.transition.methods.view import View, below
 
 
 def t37(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
@@ -17,7 +17,8 @@ def t37(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     box = view.free()
     lower = alpha * box.lower.clip(max=0.0) + box.lower.clip(min=0.0)
     upper = alpha * box.upper.clip(min=0.0) + box.upper.clip(max=0.0)
-    return HqpProblem((view.first, view.part.follow(view.source)), Bounds(lower, upper))
+    levels = below(view.first, view.part.follow(view.source))
+    return HqpProblem(levels, Bounds(lower, upper))
 
 
 def t34(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
@@ -28,4 +29,5 @@ def t34(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     new, old = view.free(), view.before
     lower = alpha * new.lower + (1.0 - alpha) * old.lower
     upper = alpha * new.upper + (1.0 - alpha) * old.upper
-    return HqpProblem((view.first, view.part.follow(view.source)), Bounds(lower, upper))
+    levels = below(view.first, view.part.follow(view.source))
+    return HqpProblem(levels, Bounds(lower, upper))

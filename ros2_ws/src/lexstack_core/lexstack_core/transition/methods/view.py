@@ -44,3 +44,8 @@ class View:
 # (this tick, what was latched at the trigger, alpha in [0, 1]) -> what A solves
 Method = Callable[[View, Bridge, float], HqpProblem]
 """A transition method. At alpha = 1 its problem's optimum is the source's, within the bounds."""
+
+
+def below(first: tuple[LinearTask, ...], second: tuple[LinearTask, ...]) -> Levels:
+    """Return two levels; on a plan there is no first one."""
+    return (first, second) if first else (second,)
