@@ -9,6 +9,7 @@ from lexstack_core.tasks.ee_pose import pose_error
 from lexstack_core.tasks.relative_pose import other_end
 from lexstack_core.transition.status import Phase
 from lexstack_experiments.loop import Loop, targets_of
+from lexstack_experiments.runs import Measured
 from support.scenario import CONFIG
 
 HOLD = 6.0  # s, the switch to carry
@@ -64,6 +65,17 @@ def test_the_object_stays_in_both_hands_from_the_hold_to_the_end(errors):
     linear, angular, _ = peak(errors, HOLD, np.inf)
     assert linear <= 2e-3
     assert angular <= 2e-3
+
+
+def test_the_figures_of_the_run_say_so(run, errors):
+    """As ``metrics.json`` states it, phase by phase."""
+    phases = {phase.stack: phase for phase in Measured.of(run).metrics.phases}
+    for stack, start, end in (("carry", HOLD, SWITCH), ("carry_base", SWITCH, np.inf)):
+        linear, angular, _ = 1e3 * peak(errors, start, end)
+        assert phases[stack].relative_peak_error_mm["robot_a"] == pytest.approx(linear)
+        assert phases[stack].relative_peak_error_mrad["robot_a"] == pytest.approx(angular)
+        assert phases[stack].relative_error_mm["robot_a"] <= 0.1
+    assert phases["posture"].relative_error_mm is None
 
 
 def test_the_object_is_really_carried(run):

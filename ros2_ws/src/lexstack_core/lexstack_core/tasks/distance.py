@@ -109,10 +109,11 @@ class Distance:
         self._rows = min(parameters.rows, self._reach.size)
         self._all = np.arange(self._rows)
         self._open = np.full(self._rows, np.inf)
-        nothing = np.zeros((self._rows, team.n))
-        for array in (nothing, self._open):
+        # Nothing is near: 0 chi = 0. Solvers are quicker where no row is an inequality.
+        nothing, zero = np.zeros((self._rows, team.n)), np.zeros(self._rows)
+        for array in (nothing, zero, self._open):
             array.setflags(write=False)
-        self._far = LinearTask(self.name, nothing, -self._open, self._open)
+        self._far = LinearTask.equality(self.name, nothing, zero)
 
     @classmethod
     def from_config(
@@ -124,7 +125,8 @@ class Distance:
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return one row [m/s] for each of the nearest pairs, in an order that seldom changes.
 
-        There are always equally many rows; those beyond the influence are open on both sides.
+        There are always equally many rows. Those beyond the influence are open on both sides; if
+        all are, they are ``0 chi = 0``.
         """
         if self._rows == 0:
             return self._far
