@@ -120,7 +120,7 @@ def test_the_source_is_dashed_and_ends_with_the_blend(html):
 
 def test_it_loads_nothing(html):
     own = re.sub(r"<script type='text/plain' id='plotly'>.*?</script>", "", html, flags=re.DOTALL)
-    assert len(own) < len(html) - 4 * MEGABYTE
+    assert len(own) < len(html) - MEGABYTE
     own = re.sub(
         r"<script>/\*\*\n \* @license\n[^<]*Three.js Authors.*?</script>", "", own, flags=re.DOTALL
     )
@@ -130,7 +130,7 @@ def test_it_loads_nothing(html):
 
 
 def test_it_is_not_too_large(out):
-    assert (out / "report.html").stat().st_size < 8 * MEGABYTE
+    assert (out / "report.html").stat().st_size < 5 * MEGABYTE
 
 
 def test_goals_are_computed(html):

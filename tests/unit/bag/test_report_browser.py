@@ -127,6 +127,14 @@ def test_the_view_has_every_joint_where_the_model_has_it(page, minute, seconds):
     assert np.allclose(np.array(seen)[moved], expected[moved], atol=2e-5)
 
 
+@pytest.mark.parametrize("seconds", [0.0, 0.49, 0.5, 1.99, 2.0, 50.0])
+def test_the_frames_stand_at_the_references_in_effect(page, minute, seconds):
+    page.run(f"LexstackPlayer.show({seconds})")
+    seen = page.run("LexstackPlayer.view.targets.map((node) => node.position.toArray())")
+    expected = measure(minute).ee_target[round(100 * seconds)]
+    assert np.allclose(seen, expected, atol=1e-5)
+
+
 @pytest.mark.parametrize("seconds", [0.0, 15.0, 40.0])
 def test_both_robots_are_seen_where_they_are(page, minute, seconds):
     image = show(page, seconds)

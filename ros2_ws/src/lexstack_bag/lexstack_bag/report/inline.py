@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 import zipfile
 from functools import lru_cache
 from importlib import resources
@@ -20,11 +22,14 @@ def script(name: str) -> str:
     return folder.joinpath(name).read_text(encoding="utf-8")
 
 
+@lru_cache(maxsize=1)
 def plotly() -> str:
-    """Return plotly.js (MIT)."""
+    """Return a script element with plotly.js (MIT), compressed: see ``library.js``."""
     from plotly.offline import get_plotlyjs  # noqa: PLC0415 - slow to load
 
-    return str(get_plotlyjs())
+    packed = gzip.compress(str(get_plotlyjs()).encode(), mtime=0)
+    text = base64.b64encode(packed).decode("ascii")
+    return f"<script type='text/plain' id='plotly'>{text}</script>"
 
 
 @lru_cache(maxsize=1)

@@ -55,7 +55,7 @@ def document(title: str, body: str, *, three: bool = False) -> str:
         body: HTML; figures in it are drawn, tables in it can be sorted.
         three: whether a 3-D view is in it.
     """
-    libraries = [inline.script("page.js"), inline.script("tables.js")]
+    libraries = [inline.script(name) for name in ("library.js", "page.js", "tables.js")]
     if three:
         libraries += [inline.three(), inline.script("view3d.js"), inline.script("player.js")]
     return (
@@ -64,7 +64,7 @@ def document(title: str, body: str, *, three: bool = False) -> str:
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{escape(title)}</title><style>{inline.script('page.css')}</style></head>\n"
-        f"<body>{body}\n<script type='text/plain' id='plotly'>{inline.plotly()}</script>\n"
+        f"<body>{body}\n{inline.plotly()}\n"
         f"{inline.scripts(*libraries)}\n</body></html>\n"
     )
 

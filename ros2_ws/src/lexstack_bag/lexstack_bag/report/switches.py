@@ -19,7 +19,7 @@ from lexstack_bag.run import Run
 SOURCE = "robot_b"  # whose chi is the target of a transition
 _BASE_NAMES = ("x", "y", "yaw")
 _BEFORE, _AFTER = 0.4, 0.8  # s, shown around the blend
-_MOST = 12  # switches that are drawn: keeps the file of a long run small
+_MOST = 8  # switches that are drawn: keeps the file of a long run small
 
 
 def switches(run: Run, phases: Sequence[Phase], grid: Grid) -> list[Figure]:

@@ -25,6 +25,7 @@ DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")  # told 
 GREY = "#6B7785"
 
 _MOST_SAMPLES = 4000  # of one series: more cannot be seen
+_MOST_WITHIN = 500  # of a part of it
 _MOST_NUMBERS = 80_000  # over the samples of one series of each joint: keeps the file small
 
 
@@ -73,11 +74,17 @@ class Grid:
         return {"x0": self.start, "dx": self.period * self.stride, "y": typed(drawn)}
 
     def window(self, ticks: NDArray[np.int64], values: Any, begin: float, end: float) -> Plain:
-        """Return ``x0``, ``dx``, ``y`` of the part between two times [s], every tick of it."""
+        """Return ``x0``, ``dx``, ``y`` of the part between two times [s], more finely drawn."""
         low = max(0, int(np.floor((begin - self.start) / self.period)))
         high = min(self.count, int(np.ceil((end - self.start) / self.period)) + 1)
         dense = self.spread(ticks, values)[low:high]
-        return {"x0": self.start + low * self.period, "dx": self.period, "y": typed(dense)}
+        stride = max(1, -(-len(dense) // _MOST_WITHIN))
+        drawn = extremes(dense, stride)
+        return {
+            "x0": self.start + low * self.period,
+            "dx": self.period * stride,
+            "y": typed(drawn),
+        }
 
 
 def extremes(values: NDArray[np.float64], stride: int) -> NDArray[np.float64]:

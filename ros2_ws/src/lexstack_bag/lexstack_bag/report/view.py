@@ -15,7 +15,7 @@ from lexstack_bag.phases import Phase
 from lexstack_bag.report.figure import letters
 from lexstack_bag.report.traces import BLUE, GREEN, PURPLE, VERMILLION, Plain
 from lexstack_bag.run import Run, TransitionPhase
-from lexstack_core.linear import Matrix, Vector
+from lexstack_core.linear import Vector
 from lexstack_core.rotation import to_quaternion
 
 _MOST_FRAMES = 6000  # 100 a second for a minute; the viewer goes evenly from one to the next
@@ -61,13 +61,13 @@ def play_data(run: Run, measures: Measures, phases: Sequence[Phase]) -> Plain:
     frames = {
         "time": measures.time[rows],
         "q": run.plant.q[rows],
-        "ee": _targets(measures, rows),
         "obstacles": centers,
         "alpha": _alpha(run, measures.time[rows]),
     }
     switches = list(zip(letters(phases), phases[1:], strict=True))[:_MOST_MARKS]
     return {
         "frames": {name: _packed(values) for name, values in frames.items()},
+        "targets": _targets(measures),
         "paths": _paths(measures),
         "radii": obstacles.radii.tolist(),
         "box": _box(measures),
@@ -87,16 +87,19 @@ def _section(content: str) -> str:
     )
 
 
-def _targets(measures: Measures, rows: Any) -> Matrix:
-    """Return position and quaternion of every reference, shape (rows, 7 N)."""
-    known: dict[int, Vector] = {}  # references stay the same objects while they hold
-
-    def flat(pose: Any) -> Vector:
-        if id(pose) not in known:
-            known[id(pose)] = np.concatenate([pose.position, to_quaternion(pose.rotation)])
-        return known[id(pose)]
-
-    return np.array([np.concatenate([flat(p) for p in measures.references[i].ee]) for i in rows])
+def _targets(measures: Measures) -> Plain:
+    """Return position and quaternion of the end effectors' references, 7 N, from what time on."""
+    changed = [0]
+    for i, now in enumerate(measures.references):
+        if now is not measures.references[changed[-1]]:  # they stay one object while they hold
+            changed.append(i)
+    stride = -(-len(changed) // _MOST_FRAMES)  # of targets that move all the time
+    rows = changed[::stride]
+    poses = [
+        np.concatenate([[*pose.position, *to_quaternion(pose.rotation)] for pose in now.ee])
+        for now in (measures.references[row] for row in rows)
+    ]
+    return {"from": _packed(measures.time[rows]), "poses": _packed(np.array(poses))}
 
 
 def _alpha(run: Run, times: Vector) -> Vector:

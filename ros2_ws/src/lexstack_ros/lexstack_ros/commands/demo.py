@@ -26,6 +26,7 @@ from lexstack_ros.domain import own_domain
 from lexstack_ros.player import PLAYER, Player
 from lexstack_ros.recording_options import add_recording_arguments, recorder_parameters
 from lexstack_ros.supervisor import Supervisor
+from lexstack_ros.view.start import NAME as PAGE
 from lexstack_ros.view.start import start_page
 
 _DEFAULT = "transition-sequence"
@@ -195,7 +196,7 @@ def play_shown(resolved: ResolvedScenario, player: Player, supervisor: Superviso
     progress = _Progress(resolved, player)
 
     def watch() -> None:
-        supervisor.check()
+        supervisor.check([PAGE])  # a run goes on without its page
         progress.show()
 
     player.play(watch, 60.0 + _SLOWEST * resolved.scenario.duration)

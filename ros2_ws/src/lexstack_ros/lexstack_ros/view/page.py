@@ -28,7 +28,12 @@ def live_page(resolved: ResolvedScenario, team: Team) -> str:
     }
     data = json.dumps(setup, separators=(",", ":")).replace("</", "<\\/")
     styles = inline.script("page.css") + _asset("live.css")
-    scripts = (inline.three(), inline.script("view3d.js"), _asset("live.js"))
+    scripts = (
+        inline.script("library.js"),
+        inline.three(),
+        inline.script("view3d.js"),
+        _asset("live.js"),
+    )
     body = _asset("live.html").replace("{{scenario}}", name)
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
@@ -36,7 +41,7 @@ def live_page(resolved: ResolvedScenario, team: Team) -> str:
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{name}: lexstack live</title><style>{styles}</style></head>\n<body>{body}"
         f"<script type='application/json' id='setup'>{data}</script>"
-        f"<script type='text/plain' id='plotly'>{inline.plotly()}</script>"
+        f"{inline.plotly()}"
         f"{inline.scripts(*scripts)}</body></html>\n"
     )
 

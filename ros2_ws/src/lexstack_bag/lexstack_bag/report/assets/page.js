@@ -84,13 +84,11 @@ window.LexstackPlots = (() => {
     draw(next);
     idle(rest);
   }
-  function start() {
+  async function start() {
     note("opened");
     document.dispatchEvent(new Event("lexstack-open"));
     note("viewed");
-    const library = document.createElement("script");
-    library.textContent = document.getElementById("plotly").textContent;
-    document.head.append(library);
+    await runLibrary("plotly");
     scripts.forEach((script) => observer.observe(document.getElementById(script.dataset.figure)));
     draw(scripts[0]?.dataset.figure);
     note("plotted");

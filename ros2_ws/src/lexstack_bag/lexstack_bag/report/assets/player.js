@@ -3,27 +3,37 @@
 document.addEventListener("lexstack-open", () => {
   const source = document.getElementById("view3d-data");
   if (!source) return;
-  const { scene, frames, paths, box, radii, marks, stacks } = JSON.parse(source.textContent);
+  const { scene, frames, targets, paths, box, radii, marks, stacks } =
+    JSON.parse(source.textContent);
   const view = View3d.open(document.getElementById("view3d"), scene);
   if (!view) return;
-  const field = (name) => new Float32Array(View3d.bytes(frames[name]));
-  const [time, q, ee, obstacles, alpha] = ["time", "q", "ee", "obstacles", "alpha"].map(field);
-  const size = { q: q.length / time.length, ee: ee.length / time.length };
+  const numbers = (text) => new Float32Array(View3d.bytes(text));
+  const [time, q, obstacles, alpha] = ["time", "q", "obstacles", "alpha"]
+    .map((name) => numbers(frames[name]));
+  const [since, ee] = [numbers(targets.from), numbers(targets.poses)];
+  const size = { q: q.length / time.length, ee: ee.length / since.length };
   const slider = document.getElementById("view3d-time");
   const button = document.getElementById("view3d-play");
   const speed = document.getElementById("view3d-speed");
   const label = document.getElementById("view3d-label");
-  const [first, last] = [time[0], time[time.length - 1]];
-  let now = first;
+  const [begin, end] = [time[0], time[time.length - 1]];
+  let now = begin;
   let playing = false;
 
-  // The last frame at or before a time, and how far on the way to the next it is.
-  function frameAt(seconds) {
-    let [low, high] = [0, time.length - 1];
+  // The place of the last of some ascending times that is not after a time; 0 where all are.
+  function last(times, seconds) {
+    let [low, high] = [0, times.length];
     while (high - low > 1) {
       const middle = (low + high) >> 1;
-      if (time[middle] <= seconds) low = middle; else high = middle;
+      if (times[middle] <= seconds + 1e-5) low = middle; else high = middle;
     }
+    return low;
+  }
+
+  // The frames between which a time lies, and how far on the way it is.
+  function frameAt(seconds) {
+    const low = last(time, seconds);
+    const high = Math.min(low + 1, time.length - 1);
     if (high === low) return [low, high, 0];
     return [low, high, Math.min(1, Math.max(0, (seconds - time[low]) / (time[high] - time[low])))];
   }
@@ -37,18 +47,16 @@ document.addEventListener("lexstack-open", () => {
   }
 
   function show(seconds) {
-    now = Math.min(last, Math.max(first, seconds));
+    now = Math.min(end, Math.max(begin, seconds));
     const at = frameAt(now);
-    const held = at[2] >= 1 ? at[1] : at[0]; // targets jump: they are never between
+    const held = last(since, now) * size.ee; // targets jump: they are never between
     const poses = [];
-    for (let i = 0; i < size.ee; i += 7) {
-      poses.push(ee.subarray(held * size.ee + i, held * size.ee + i + 7));
-    }
+    for (let i = held; i < held + size.ee; i += 7) poses.push(ee.subarray(i, i + 7));
     view.set({ q: between(q, size.q, at), ee: poses,
       obstacles: between(obstacles, 3 * radii.length, at) });
     slider.value = now;
     const stack = [...stacks].reverse().find((entry) => entry.start <= now + 1e-6) || stacks[0];
-    const blend = Number.isFinite(alpha[held]) ? `, α = ${alpha[held].toFixed(2)}` : "";
+    const blend = Number.isFinite(alpha[at[0]]) ? `, α = ${alpha[at[0]].toFixed(2)}` : "";
     label.textContent = `${now.toFixed(2)} s  ${stack ? stack.name : ""}${blend}`;
     window.LexstackPlots?.cursor(now);
   }
@@ -57,13 +65,13 @@ document.addEventListener("lexstack-open", () => {
     playing = on;
     button.textContent = on ? "Pause" : "Play";
     if (!on) return;
-    if (now >= last) now = first;
+    if (now >= end) now = begin;
     let before = performance.now();
     const step = (wall) => {
       if (!playing) return;
       show(now + (Math.max(0, wall - before) / 1000) * Number(speed.value));
       before = wall;
-      if (now >= last) play(false); else requestAnimationFrame(step);
+      if (now >= end) play(false); else requestAnimationFrame(step);
     };
     requestAnimationFrame(step);
   }
@@ -71,7 +79,7 @@ document.addEventListener("lexstack-open", () => {
   view.obstacles(radii);
   for (const path of paths) view.path(new Float32Array(View3d.bytes(path.points)), path.color);
   view.look(box[0], box[1]);
-  Object.assign(slider, { min: first, max: last, step: "any" });
+  Object.assign(slider, { min: begin, max: end, step: "any" });
   for (const mark of marks) {
     const place = document.createElement("button");
     place.textContent = mark.label;
@@ -82,6 +90,6 @@ document.addEventListener("lexstack-open", () => {
   slider.addEventListener("input", () => { play(false); show(Number(slider.value)); });
   button.addEventListener("click", () => play(!playing));
   document.addEventListener("lexstack-time", (event) => { play(false); show(event.detail); });
-  show(first);
+  show(begin);
   window.LexstackPlayer = { view, show, play };
 });

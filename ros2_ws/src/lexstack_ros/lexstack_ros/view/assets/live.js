@@ -114,13 +114,11 @@
     };
   }
 
-  function begin() {
+  async function begin() {
     view = View3d.open(at("view3d"), setup.scene);
     view?.obstacles(setup.radii);
     view?.look([-1, -1.2, 0], [3, 1.2, 1.4]);
-    const library = document.createElement("script");
-    library.textContent = at("plotly").textContent;
-    document.head.append(library);
+    await runLibrary("plotly");
     connect();
     draw();
     setInterval(draw, 1000);
