@@ -93,7 +93,7 @@ def test_a_waypoint_is_reached_with_the_base_on_its_line():
     arrived = record.times[np.flatnonzero(errors > 0.02)[-1]]
     assert arrived < 3.5
     off = np.linalg.norm(record.q[:, :2] - line.at(record.times), axis=1)
-    assert off[record.times > arrived + 2.5].max() < 0.02, "nothing of the tool's keeps it off"
+    assert off[record.times > arrived + 2.5].max() < 0.05, "nothing of the tool's keeps it off"
     assert errors[record.times > arrived + 2.5].max() < 0.01
     alone = follow_htmpc(optimiser(), HOME, tracks[:1], 8.0)
     assert np.linalg.norm(alone.q[-1, :2] - [2.0, 0.0]) > 0.2, "without the task it stays away"
@@ -133,9 +133,7 @@ def test_two_levels_deliver_sooner_than_one():
 
 
 def test_the_base_waits_for_a_held_tool_and_leaves_after_its_release():
-    held = SequenceTask(
-        "give", "ee_position", ((3.0, 0.8, 0.9),), tolerance=0.02, held=True
-    )
+    held = SequenceTask("give", "ee_position", ((3.0, 0.8, 0.9),), tolerance=0.02, held=True)
     tasks = (DELIVERY[0], held, DELIVERY[2])
     start = Sequence.begin(tasks, HT_ARCH, Present.of(robot(), 0.0, HOME))
 

@@ -6,7 +6,7 @@ from scipy.optimize import nnls
 
 from lexstack_core.htmpc import Start
 from lexstack_core.htmpc.hard_limits import SLACK, HardLimits
-from lexstack_core.htmpc.limited_qp import NOWHERE, LimitedQp
+from lexstack_core.htmpc.limited_qp import Holding, LimitedQp
 from lexstack_core.htmpc.qp import CondensedQp
 from support.htmpc import optimiser, random_objectives, random_start, robot
 
@@ -72,6 +72,8 @@ def test_limits_by_need_give_the_optimum_of_all_limits():
     """Only broken limits enter the QP; the answer must be that of the QP with every row."""
     solver = optimiser()
     rng = np.random.default_rng(4)
+    every_place = np.array(np.nonzero(np.ones((31, 9))))
+    all_of_them = Holding(np.zeros(0), every_place, np.zeros(every_place.shape[1]))
     for _ in range(10):
         start = random_start(rng, wild=2.0)
         hard = HardLimits(robot().limits, solver.horizon).at(start.q, start.v)
@@ -81,10 +83,10 @@ def test_limits_by_need_give_the_optimum_of_all_limits():
         gradient = 30.0 * rng.normal(size=90)
         none = (np.zeros((0, 90)), np.zeros(0), np.zeros(0))
         by_need = LimitedQp(CondensedQp(hessian.copy()), gradient, none[0], np.ones(90))
-        by_need.within(hard, u, NOWHERE)
+        by_need.within(hard, u)
         found, word = by_need.solve(none[1], none[2])
-        every = LimitedQp(CondensedQp(hessian.copy()), gradient, none[0], np.ones(90))
-        every.within(hard, u, np.array(np.nonzero(np.ones((31, 9)))))
+        every = LimitedQp(CondensedQp(hessian.copy()), gradient, none[0], np.ones(90), all_of_them)
+        every.within(hard, u)
         best, again = every.solve(none[1], none[2])
         assert word == again == "solved"
         assert by_need.places.shape[1] < every.places.shape[1]

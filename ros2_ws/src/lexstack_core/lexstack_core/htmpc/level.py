@@ -8,7 +8,7 @@ import numpy as np
 
 from lexstack_core.config.htmpc import HtmpcConfig
 from lexstack_core.htmpc.lexicographic import Guard
-from lexstack_core.htmpc.limited_qp import NOWHERE, LimitedQp, Places
+from lexstack_core.htmpc.limited_qp import NOTHING, Holding, LimitedQp
 from lexstack_core.htmpc.objectives import Task
 from lexstack_core.htmpc.program import Iterate, Program, Quadratic
 from lexstack_core.htmpc.qp import CondensedQp
@@ -45,7 +45,7 @@ class Level:
     """One task below its guards.
 
     Attributes:
-        holding: hard limits that held in the last QP, or at first those that probably will.
+        holding: what held in the last QP, or at first what probably will.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Level:
         program: Program,
         task: Task,
         guards: tuple[Guard, ...],
-        holding: Places = NOWHERE,
+        holding: Holding = NOTHING,
     ) -> None:
         """Take the level's task, and the constraints of the levels above, highest first."""
         self._config = config
@@ -148,9 +148,10 @@ class Level:
         if qp.word != "solved":
             return none, none, qp.word
         rows = self._rows(iterate)
-        limited = LimitedQp(qp, quadratic.gradient, rows.matrix, self._moving(iterate.u))
+        moving = self._moving(iterate.u)
+        limited = LimitedQp(qp, quadratic.gradient, rows.matrix, moving, self.holding)
         if self._program.hard is not None:
-            limited.within(self._program.hard, iterate.u, self.holding)
+            limited.within(self._program.hard, iterate.u)
         direction, word = limited.solve(rows.lower, rows.upper)
         self.holding = limited.holding
         if word != "solved" or not (self._config.correction and self._guards):

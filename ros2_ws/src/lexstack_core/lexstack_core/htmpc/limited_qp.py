@@ -7,11 +7,13 @@ the answer is that of the QP with all of them.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from lexstack_core.htmpc.hard_limits import HeldLimits
-from lexstack_core.htmpc.qp import CondensedQp
+from lexstack_core.htmpc.qp import COARSE, FINE, CondensedQp
 from lexstack_core.linear import Matrix, Vector
 
 Places = NDArray[np.intp]
@@ -21,6 +23,24 @@ NOWHERE: Places = np.zeros((2, 0), dtype=np.intp)
 _ROUNDS = 50
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Holding:
+    """What held at a solution: a guess for the next one.
+
+    Attributes:
+        guards: -1, 0 or 1 per row of the guards: the side that holds, shape (g,).
+        places: of the hard limits that hold.
+        sides: -1 or 1 for each of them, shape (r,).
+    """
+
+    guards: Vector
+    places: Places
+    sides: Vector
+
+
+NOTHING = Holding(np.zeros(0), NOWHERE, np.zeros(0))
+
+
 class LimitedQp:
     """One H and gradient, the guards' rows, and the hard limits found so far.
 
@@ -28,8 +48,23 @@ class LimitedQp:
         places: of the hard limits that it has taken in.
     """
 
-    def __init__(self, qp: CondensedQp, gradient: Vector, guards: Matrix, moving: Vector) -> None:
-        """Take the QP, its gradient (N n,), the guards' rows (g, N n), and 0 for joints at rest."""
+    def __init__(
+        self,
+        qp: CondensedQp,
+        gradient: Vector,
+        guards: Matrix,
+        moving: Vector,
+        first: Holding = NOTHING,
+    ) -> None:
+        """Prepare the QP.
+
+        Args:
+            qp: with H factored.
+            gradient: shape (N n,).
+            guards: their rows, shape (g, N n).
+            moving: 1 for inputs that may change, else 0, shape (N n,).
+            first: what probably holds.
+        """
         self._qp = qp
         self._center = qp.center(gradient)
         self._white, self._factors = qp.whiten(guards)
@@ -37,18 +72,21 @@ class LimitedQp:
         self._moving = moving
         self._hard: HeldLimits | None = None
         self._room = (np.zeros(0), np.zeros(0))
-        self._multipliers: Vector = np.zeros(0)
+        same = first.guards.size == len(guards)
+        self._multipliers: Vector = first.guards if same else np.zeros(len(guards))
+        self._first = first
         self.places = NOWHERE
 
-    def within(self, hard: HeldLimits, u: Matrix, first: Places) -> None:
-        """Keep the inputs u + d within hard limits; ``first`` are those that probably hold."""
+    def within(self, hard: HeldLimits, u: Matrix) -> None:
+        """Keep the inputs u + d, both (N, n), within hard limits."""
         self._hard, self._u = hard, u
         values = hard.values(u)
         # A step of zero stays allowed, whatever rounding did to u.
         self._low = np.minimum(hard.lower - values, 0.0)
         self._high = np.maximum(hard.upper - values, 0.0)
         self._known = np.zeros(values.shape, dtype=bool)
-        self._add(first)
+        self._add(self._first.places)
+        self._multipliers = np.concatenate((self._multipliers, self._first.sides))
 
     def nearest(self, point: Vector, lower: Vector, upper: Vector) -> tuple[Vector, str]:
         """Return the allowed d nearest to a point (N n,) in H's metric, and the solver's word."""
@@ -69,23 +107,31 @@ class LimitedQp:
         return direction, "hard limits: too many rounds"
 
     def _once(self, lower: Vector, upper: Vector) -> tuple[Vector, str]:
-        """Solve with the rows so far, and again without a guess if the guess led astray."""
+        """Solve with the rows so far.
+
+        A guess can lead DAQP astray, and rows that depend on each other but for rounding can look
+        like a contradiction: so again without a guess, and then with a wider tolerance.
+        """
         bounds = (
             self._scaled(np.concatenate((lower, self._room[0])), -np.inf),
             self._scaled(np.concatenate((upper, self._room[1])), np.inf),
         )
-        for guess in (self._multipliers, None):
-            direction, multipliers, word = self._qp.solve(self._center, self._white, *bounds, guess)
+        for guess, tolerance in ((self._multipliers, FINE), (None, FINE), (None, COARSE)):
+            direction, multipliers, word = self._qp.solve(
+                self._center, self._white, bounds, guess, tolerance
+            )
             if word == "solved":
                 self._multipliers = multipliers
                 break
         return direction, word
 
     @property
-    def holding(self) -> Places:
-        """The hard limits that held at the last solution."""
-        multipliers = self._multipliers[self._guards :]
-        return self.places[:, np.flatnonzero(multipliers)]
+    def holding(self) -> Holding:
+        """What held at the last solution."""
+        signs = np.sign(self._multipliers)
+        limits = signs[self._guards :]
+        held = np.flatnonzero(limits)
+        return Holding(signs[: self._guards], self.places[:, held], limits[held])
 
     def _scaled(self, bounds: Vector, nothing: float) -> Vector:
         """Return bounds for rows of length 1; rows that no step can change are left out."""

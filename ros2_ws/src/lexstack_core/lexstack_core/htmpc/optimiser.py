@@ -16,7 +16,7 @@ from lexstack_core.htmpc.hard_limits import HardLimits
 from lexstack_core.htmpc.horizon import Horizon
 from lexstack_core.htmpc.level import Level
 from lexstack_core.htmpc.lexicographic import Guard
-from lexstack_core.htmpc.limited_qp import NOWHERE, Places
+from lexstack_core.htmpc.limited_qp import NOTHING, Holding
 from lexstack_core.htmpc.objectives import Objective, Task
 from lexstack_core.htmpc.plan import Plan
 from lexstack_core.htmpc.program import Iterate, Program
@@ -117,18 +117,18 @@ class Htmpc:
 
     def _solve_levels(
         self, program: Program, tasks: list[Task], iterate: Iterate, before: Plan | None
-    ) -> tuple[list[LevelStatus], tuple[Places, ...], Iterate]:
+    ) -> tuple[list[LevelStatus], tuple[Holding, ...], Iterate]:
         """Solve all levels in order; what comes below a failure is skipped."""
         guards: list[Guard] = []
         levels: list[LevelStatus] = []
         guessed = iterate
         known = () if before is None else before.holding
-        holding: list[Places] = []
+        holding: list[Holding] = []
         for i, task in enumerate(tasks):
             if levels and not levels[-1].outcome.sound:
                 levels.append(_skipped(i, task, iterate))
                 continue
-            guess = known[i] if i < len(known) else NOWHERE
+            guess = known[i] if i < len(known) else NOTHING
             level = Level(self.config, program, task, tuple(guards), guess)
             if i and self.config.resume:
                 iterate = level.better(iterate, guessed)

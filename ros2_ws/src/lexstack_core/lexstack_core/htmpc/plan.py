@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack_core.htmpc.limited_qp import Places
+from lexstack_core.htmpc.limited_qp import Holding
 from lexstack_core.htmpc.status import LevelStatus
 from lexstack_core.linear import Matrix, Vector
 
@@ -23,7 +23,7 @@ class Plan:
         u: constant over each stage, shape (N, n), m/s^2 and rad/s^2.
         levels: how each level ended, highest first.
         errors: of each level's task at the states 1 to N, shapes (N, s).
-        holding: hard limits that held at each level: a guess for the next solve.
+        holding: what held at each level: a guess for the next solve.
         solve_time: wall time [s].
     """
 
@@ -34,7 +34,7 @@ class Plan:
     u: Matrix
     levels: tuple[LevelStatus, ...]
     errors: tuple[Matrix, ...]
-    holding: tuple[Places, ...]
+    holding: tuple[Holding, ...]
     solve_time: float
 
     @property

@@ -16,7 +16,7 @@ from lexstack_core.linear import Matrix, Vector
 
 _FAR = 1e30  # DAQP's infinity
 _ITERATIONS = 2000
-_TOLERANCE = 1e-9
+FINE, COARSE = 1e-9, 1e-6  # of rows of length 1
 _NO_LENGTH = 1e-13
 _ACTIVE, _LOWER = 1, 2
 _WORDS = {
@@ -66,18 +66,18 @@ class CondensedQp:
         self,
         center: Vector,
         rows: Matrix,
-        lower: Vector,
-        upper: Vector,
+        bounds: tuple[Vector, Vector],
         guess: Vector | None = None,
+        tolerance: float = FINE,
     ) -> tuple[Vector, Vector, str]:
         """Return d, shape (m,), the multipliers, and ``solved`` or why it is not the optimum.
 
         Args:
             center: of ``center``.
             rows: of ``whiten``, shape (r, m).
-            lower: of these rows, shape (r,); -inf is legal.
-            upper: likewise; inf is legal.
+            bounds: lower and upper ones of these rows, shape (r,); -inf and inf are legal.
             guess: multipliers of the first rows, whose signs are the first working set.
+            tolerance: of these rows.
         """
         if not len(rows):
             return self._back(-center), np.zeros(0), self.word
@@ -85,6 +85,7 @@ class CondensedQp:
         if guess is not None:
             sense[: len(guess)][guess > 0.0] = _ACTIVE
             sense[: len(guess)][guess < 0.0] = _ACTIVE | _LOWER
+        lower, upper = bounds
         shift = rows @ center
         y, _, flag, info = daqp.solve(
             None,
@@ -94,7 +95,7 @@ class CondensedQp:
             np.maximum(lower + shift, -_FAR),
             sense,
             iter_limit=_ITERATIONS,
-            primal_tol=_TOLERANCE,
+            primal_tol=tolerance,
         )
         word = "solved" if flag > 0 else _WORDS.get(flag, f"exit flag {flag}")
         return self._back(y - center), info["lam"], word

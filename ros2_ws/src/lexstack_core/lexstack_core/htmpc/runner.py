@@ -1,0 +1,181 @@
+"""One robot's sequence under way: measured states in, plans out; what a node calls at its rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lexstack_core.config.htmpc import HtmpcConfig
+from lexstack_core.config.sequence import SequenceConfig
+from lexstack_core.errors import InputError
+from lexstack_core.htmpc.collisions import Surroundings
+from lexstack_core.htmpc.optimiser import Htmpc, Start
+from lexstack_core.htmpc.plan import Plan
+from lexstack_core.htmpc.present import Present
+from lexstack_core.htmpc.sequence import HT_ARCH, ST_ARCH, Architecture, Sequence
+from lexstack_core.htmpc.sequence_task import Point, SequenceTask
+from lexstack_core.linear import Vector
+from lexstack_core.model import Team
+from lexstack_core.state import RobotState
+
+ARCHITECTURES: dict[str, Architecture] = {"ht": HT_ARCH, "st": ST_ARCH}
+"""By the names that goals and files use."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Progress:
+    """Where a sequence stands after a solve.
+
+    Attributes:
+        sequence: after this state.
+        plan: from this state on.
+        errors: distance [m] and angle [rad] from the goal of the first task that is not done.
+        tracking: distance of each task in the window from its reference now [m].
+    """
+
+    sequence: Sequence
+    plan: Plan
+    errors: tuple[float, float]
+    tracking: tuple[float, ...]
+
+
+class SequenceRunner:
+    """Executes sequences on one robot of a team, one at a time.
+
+    Attributes:
+        robot: its place in the team.
+        sequence: under way, or None.
+    """
+
+    def __init__(self, team: Team, robot: int, config: HtmpcConfig) -> None:
+        """Generate the optimiser's code, which takes a moment; raises ModelError."""
+        self.robot = robot
+        self.sequence: Sequence | None = None
+        self._team = team
+        self._model = team.robots[robot]
+        self._part = team.slices[robot]
+        self._others = [i for i in range(len(team.robots)) if i != robot]
+        self._optimiser = Htmpc(self._model, config)
+        self._plan: Plan | None = None
+
+    def present(self, state: RobotState) -> Present:
+        """Return where the robot is."""
+        return Present.of(self._model, state.stamp, state.q[self._part])
+
+    def begin(
+        self, tasks: tuple[SequenceTask, ...], architecture: Architecture, state: RobotState
+    ) -> None:
+        """Begin a sequence at a state, in place of another one; raises InputError."""
+        self.sequence = Sequence.begin(tasks, architecture, self.present(state))
+
+    def change(self, kind: str, task: SequenceTask | str, state: RobotState, before: str) -> None:
+        """Change the sequence under way; raises InputError, and then nothing has changed.
+
+        Args:
+            kind: release, retarget, insert or cancel.
+            task: its name; for retarget and insert the task itself.
+            state: the present one.
+            before: for insert the name of the task that it comes before; empty: at the end.
+        """
+        sequence, present = self.sequence, self.present(state)
+        if sequence is None:
+            raise InputError("sequence: none is under way")
+        if isinstance(task, str):
+            name, points = task, ()
+        else:
+            name, points = task.name, task.points
+        if kind == "release":
+            self.sequence = sequence.release(name)
+        elif kind == "cancel":
+            self.sequence = sequence.cancel(name, present)
+        elif kind == "retarget":
+            self.sequence = sequence.retarget(name, points, present)
+        elif isinstance(task, SequenceTask):
+            self.sequence = sequence.insert(_place(sequence, before), task, present)
+
+    def end(self) -> None:
+        """Forget sequence and plan."""
+        self.sequence = None
+        self._plan = None
+
+    def step(self, state: RobotState) -> Progress:
+        """Return plan and progress at a state.
+
+        Poses are the measured ones; the velocity is the command in force, which robot A changes
+        within its limits from tick to tick: the plan goes on from there.
+
+        Raises:
+            InputError: no sequence is under way.
+        """
+        if self.sequence is None:
+            raise InputError("sequence: none is under way")
+        present = self.present(state)
+        sequence = self.sequence = self.sequence.advanced(present)
+        times = state.stamp + self._optimiser.horizon.times[1:]
+        start = Start(state.stamp, state.q[self._part], state.command[self._part])
+        around = self._surroundings(state, times)
+        plan = self._optimiser.solve(start, sequence.objectives(times), self._plan, around)
+        self._plan = plan if plan.solved else None
+        now = np.array([state.stamp])
+        tracking = tuple(
+            present.errors(task.kind, trajectory.at(now)[0])[0]
+            for task, trajectory in zip(sequence.window, sequence.trajectories, strict=True)
+        )
+        return Progress(sequence, plan, sequence.errors(present), tracking)
+
+    def _surroundings(self, state: RobotState, times: Vector) -> Surroundings | None:
+        """Return obstacles where they will be, and the other robots' spheres where they are."""
+        obstacles = self._team.obstacles
+        spheres = self._team.spheres(state.q) if self._others else None
+        theirs = np.zeros(0, dtype=bool) if spheres is None else spheres.owners != self.robot
+        if not len(obstacles) and not theirs.any():
+            return None
+        centers = np.array([obstacles.at(float(time)) for time in times])
+        found = Surroundings(centers.reshape(len(times), -1, 3), obstacles.radii)
+        if spheres is None or not theirs.any():
+            return found
+        still = np.broadcast_to(spheres.centers[theirs], (len(times), int(theirs.sum()), 3))
+        return found.joined(Surroundings(still, spheres.radii[theirs]))
+
+
+def tasks_of(config: SequenceConfig) -> tuple[SequenceTask, ...]:
+    """Return a configured sequence's tasks, all rounds; raises InputError for a wrong one."""
+    once = tuple(
+        SequenceTask(
+            task.name,
+            task.kind,
+            task.points,
+            task.speed or None,
+            task.turn or None,
+            task.tolerance,
+            task.tolerance_angle,
+            task.dwell,
+            task.held,
+        )
+        for task in config.tasks
+    )
+    again = (
+        replace(task, name=f"{task.name}#{round_}")
+        for round_ in range(2, config.rounds + 1)
+        for task in once
+    )
+    return (*once, *again)
+
+
+def changed_task(sequence: Sequence, name: str, points: tuple[Point, ...]) -> SequenceTask:
+    """Return a task of a sequence with other points; raises InputError for an unknown one."""
+    known = {task.name: task for task in sequence.tasks}
+    if name not in known:
+        raise InputError(f"sequence: unknown task {name!r}; known: {', '.join(known)}")
+    return replace(known[name], points=points)
+
+
+def _place(sequence: Sequence, before: str) -> int:
+    """Return where to insert; raises InputError for an unknown name."""
+    if not before:
+        return len(sequence.tasks)
+    names = [task.name for task in sequence.tasks]
+    if before not in names:
+        raise InputError(f"sequence: unknown task {before!r}; known: {', '.join(names)}")
+    return names.index(before)
