@@ -9,7 +9,7 @@ from lexstack_core.bounds import Bounds
 from lexstack_core.errors import InputError
 from lexstack_core.hqp import ClusteredSolver, HqpProblem, Status
 from lexstack_core.hqp.daqp_cascade import DaqpCascade
-from lexstack_core.hqp.structure import parts_of
+from lexstack_core.hqp.structure import Structure
 from lexstack_core.linear import LinearTask
 from support.problems import KINDS, problem, side_by_side
 
@@ -27,6 +27,10 @@ class Watching:
     def solve(self, given, warm=None):
         self.sizes.append(given.bounds.lower.size)
         return DENSE.solve(given, warm)
+
+
+def parts_of(given, size):
+    return Structure(size).parts_of(given)
 
 
 def robots(count, kind="nominal", inequalities=False, seed=0):
@@ -165,3 +169,31 @@ def test_a_task_of_another_length_raises():
     given = HqpProblem(((task,),), Bounds(-np.ones(60), np.ones(60)))
     with pytest.raises(InputError, match=r"robot_a/arm.*chi of length 60"):
         ClusteredSolver(DENSE, 20).solve(given)
+
+
+def test_a_matrix_that_cannot_change_is_looked_at_once_and_one_that_can_every_time():
+    given = robots(6)
+    matrix = np.zeros((1, 60))
+    matrix[0, 3] = 1.0
+    task = LinearTask.equality("t", matrix, np.zeros(1))
+    coupled = with_task(given, 0, task)
+    structure = Structure(10)
+    assert len(structure.parts_of(coupled)) == 6
+    matrix[0, 57] = 1.0
+    assert len(structure.parts_of(coupled)) == 5
+    matrix.setflags(write=False)
+    assert len(structure.parts_of(coupled)) == 5
+    assert len(structure.parts_of(coupled)) == 5
+    for first in range(0, 50, 10):  # other matrices, at whatever place in memory
+        other = np.zeros((1, 60))
+        other[0, [first, first + 10]] = 1.0
+        other.setflags(write=False)
+        assert (
+            len(
+                structure.parts_of(
+                    with_task(given, 0, LinearTask.equality("o", other, np.zeros(1)))
+                )
+            )
+            == 5
+        )
+        del other

@@ -8,7 +8,7 @@ import numpy as np
 
 from lexstack_core.bounds import Bounds
 from lexstack_core.hqp.problem import HqpProblem, HqpSolver, Solution, Status
-from lexstack_core.hqp.structure import Part, parts_of, share
+from lexstack_core.hqp.structure import Part, Structure, share
 
 SIZE = 40  # joints of a part: measured, the cost per joint is least between 20 and 60
 
@@ -21,6 +21,7 @@ class ClusteredSolver:
         self.name = inner.name
         self._inner = inner
         self._size = size
+        self._structure = Structure(size)
 
     def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
         """Solve all levels in order; each part as if the others were not there.
@@ -32,7 +33,7 @@ class ClusteredSolver:
         if n <= self._size or not _fits(problem, n):
             return self._inner.solve(problem, warm)
         start = time.perf_counter()
-        parts = parts_of(problem, self._size)
+        parts = self._structure.parts_of(problem)
         if len(parts) == 1:
             return self._inner.solve(problem, warm)
         tasks = [task for level in problem.levels for task in level]

@@ -24,6 +24,7 @@ Place = slice | Indices
 Footprint = tuple[int, bytes]
 """Of a task: its number of rows; the mask of the columns of each of its separable parts."""
 
+_REMEMBERED = 1000  # matrices
 _UNIT = b""  # the mask of a task whose rows are those of the unit matrix, in this order
 
 
@@ -55,14 +56,37 @@ class Part:
     rows: Indices
 
 
-def parts_of(problem: HqpProblem, size: int) -> tuple[Part, ...]:
-    """Return the parts of a problem: whole clusters, together at most ``size`` joints if they can.
+class Structure:
+    """Finds the parts of problems; it remembers the footprints of matrices that cannot change."""
 
-    Only zeros that are zeros count: a part has all rows of its joints, exactly.
-    """
-    n = problem.bounds.lower.size
-    prints = tuple(tuple([footprint(task.matrix) for task in level]) for level in problem.levels)
-    return _parts(n, prints, size)
+    def __init__(self, size: int) -> None:
+        """Make parts of whole clusters, together at most ``size`` joints if they can."""
+        self._size = size
+        # With the matrix, so that no other one gets its id.
+        self._known: dict[int, tuple[Matrix, Footprint]] = {}
+
+    def parts_of(self, problem: HqpProblem) -> tuple[Part, ...]:
+        """Return the parts of a problem.
+
+        Only zeros that are zeros count: a part has all rows of its joints, exactly.
+        """
+        n = problem.bounds.lower.size
+        prints = tuple(
+            [tuple([self._footprint(task.matrix) for task in level]) for level in problem.levels]
+        )
+        return _parts(n, prints, self._size)
+
+    def _footprint(self, matrix: Matrix) -> Footprint:
+        """Return the footprint of a matrix."""
+        known = self._known.get(id(matrix))
+        if known is not None:
+            return known[1]
+        found = footprint(matrix)
+        if matrix.base is None and not matrix.flags.writeable:
+            if len(self._known) >= _REMEMBERED:
+                self._known.clear()
+            self._known[id(matrix)] = matrix, found
+        return found
 
 
 def footprint(matrix: Matrix) -> Footprint:

@@ -37,6 +37,7 @@ class Base:
         start = team.slices[robot].start
         self._part = slice(start, start + 3)
         self._matrix = np.eye(3, team.n, start)
+        self._matrix.setflags(write=False)  # solvers may remember it
         self._gain = parameters.gain
 
     @classmethod

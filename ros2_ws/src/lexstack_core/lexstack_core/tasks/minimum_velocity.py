@@ -38,6 +38,7 @@ class MinimumVelocity:
         self._matrix = np.eye(n, team.n, part.start)
         self._matrix[:3] *= parameters.base_cost
         self._matrix[3:] *= parameters.arm_cost
+        self._matrix.setflags(write=False)  # solvers may remember it
         self._target = np.zeros(n)
 
     @classmethod

@@ -46,6 +46,7 @@ class Posture:
         start = team.slices[robot].stop - len(middle)
         self._part = slice(start, team.slices[robot].stop)
         self._matrix = np.eye(len(middle), team.n, start)
+        self._matrix.setflags(write=False)  # solvers may remember it
         self._gain = parameters.gain
 
     @classmethod
