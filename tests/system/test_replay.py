@@ -138,8 +138,8 @@ def test_a_change_shows_from_its_first_tick_on(run, changes):
 def test_another_solver_finds_the_same_within_its_accuracy(run):
     for node in REPLAYERS:
         found = outcome(run, node, solver="proxqp")
-        assert not found.identical, "not bit by bit"
-        assert max(value for value, *_ in found.largest()) < 1e-3
+        assert len(found.tick) > 100
+        assert max(value for value, *_ in found.largest()) < 1e-6
 
 
 def test_the_command_writes_figures_and_a_picture(recorded, tmp_path, capsys):
@@ -177,20 +177,20 @@ def test_identical_writes_nothing_and_ends_with_0(recorded, capsys):
         (["BAG", "--publish", "robot_a", "--patience", "2"], "hqp_controller is not there"),
     ],
 )
-def test_bad_arguments_give_one_line_and_exit_code_2(recorded, arguments, message):
+def test_bad_arguments_give_one_line_and_exit_code_2(
+    recorded, capfd, monkeypatch, arguments, message
+):
     given = [str(recorded) if word == "BAG" else word for word in arguments]
     with own_domain() as domain:
-        done = subprocess.run(
-            [sys.executable, "-m", "lexstack_ros.commands.replay", *given],
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=60,
-            env=os.environ | {"ROS_DOMAIN_ID": str(domain)},
-        )
-    assert done.returncode == 2, done.stderr
-    assert message in done.stderr
-    assert "Traceback" not in done.stderr
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+        try:
+            code = ros_command.main(given)
+        except SystemExit as end:  # argparse
+            code = end.code
+    said = capfd.readouterr().err
+    assert code == 2, said
+    assert message in said
+    assert "Traceback" not in said
 
 
 # ---- years later

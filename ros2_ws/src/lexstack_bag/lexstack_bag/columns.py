@@ -130,20 +130,22 @@ class _Numbers:
 class _Rows:
     """Vectors of one length, shape (T, n)."""
 
-    def __init__(self, n: int) -> None:
-        """Start empty."""
+    def __init__(self, n: int, code: str = "d") -> None:
+        """Start empty; ``code`` is the numbers' type in ``array``."""
         self._n = n
-        self._nan = np.full(n, np.nan).tobytes()
-        self._values = array("d")
+        self._nan = np.full(n, np.nan, dtype=code).tobytes()
+        self._values: array[float] = array(code)
 
     def add(self, value: Any) -> None:
         """Append a vector; one of another length becomes nan."""
         fits = len(value) == self._n
-        self._values.frombytes(np.asarray(value, np.float64).tobytes() if fits else self._nan)
+        code = self._values.typecode
+        self._values.frombytes(np.asarray(value, code).tobytes() if fits else self._nan)
 
     def build(self) -> Any:
         """Return shape (T, n)."""
-        return read_only(np.frombuffer(self._values, dtype=np.float64).reshape(-1, self._n))
+        rows = np.frombuffer(self._values, dtype=self._values.typecode)
+        return read_only(rows.reshape(-1, self._n))
 
 
 class _Ragged:
@@ -200,5 +202,6 @@ _COLUMNS: dict[str, Callable[[int], _Column]] = {
     "Strings": lambda _n: _Texts(),
     "Names": lambda _n: _Names(),
     "Matrix": _Rows,
+    "Single": lambda n: _Rows(n, "f"),
     "Ragged": lambda _n: _Ragged(),
 }

@@ -5,6 +5,7 @@ Shapes: T ticks of the plant, K ticks of robot A's command, N robots, n the leng
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,8 @@ from numpy.typing import NDArray
 from lexstack_bag.container import Progress
 from lexstack_bag.limits import limits_in_force
 from lexstack_bag.references import references_in_effect
-from lexstack_bag.run import Run
+from lexstack_bag.run import Run, Single
+from lexstack_core.bounds import JointLimits
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
 from lexstack_core.references import References
@@ -37,8 +39,8 @@ class Measures:
     base_error: Matrix  # (T, N) mm, x and y
     yaw_error: Matrix  # (T, N) mrad
     command_time: Vector  # (K,) s
-    acceleration_ratio: Matrix  # (K, n) |a| / limit in force; nan after a gap in the ticks
-    jerk_ratio: Matrix  # (K, n) |jerk| / limit in force; nan after a gap in the ticks
+    acceleration_ratio: Single  # (K, n) |a| / limit in force; nan after a gap in the ticks
+    jerk_ratio: Single  # (K, n) |jerk| / limit in force; nan after a gap in the ticks
 
 
 def measure(run: Run, progress: Progress = lambda _part: None) -> Measures:
@@ -90,7 +92,7 @@ def _positions(
     return ee, base
 
 
-def _ratios(run: Run, team: Team) -> tuple[Matrix, Matrix]:
+def _ratios(run: Run, team: Team) -> tuple[Single, ...]:
     """Return acceleration and jerk of the command over the limits in force, shape (K, n) each.
 
     A difference across a gap in the ticks is no acceleration: it is nan. The first command is
@@ -100,13 +102,25 @@ def _ratios(run: Run, team: Team) -> tuple[Matrix, Matrix]:
     before = run.plant.command[np.isin(run.plant.tick, command.tick[:1])]
     if not len(before):
         before = np.full((1, team.n), np.nan)
-    acceleration = np.diff(command.chi, axis=0, prepend=before) / dt
+    acceleration = np.diff(command.chi, axis=0, prepend=before)
+    acceleration /= dt
     acceleration[1:][np.diff(command.tick) != 1] = np.nan
     rest = np.where(before.any(), np.nan, np.zeros((1, team.n)))
-    jerk = np.diff(acceleration, axis=0, prepend=rest) / dt
+    jerk = np.diff(acceleration, axis=0, prepend=rest)
+    jerk /= dt
     limits = limits_in_force(run, team, COMMANDER)
-    largest, steepest = (
-        np.array([getattr(now, name) for now in limits]).reshape(acceleration.shape)
-        for name in ("acceleration", "jerk")
+    return tuple(
+        _over_limit(rates, limits, name)
+        for rates, name in ((acceleration, "acceleration"), (jerk, "jerk"))
     )
-    return np.abs(acceleration) / largest, np.abs(jerk) / steepest
+
+
+def _over_limit(rates: Matrix, limits: Sequence[JointLimits], name: str) -> Single:
+    """Return rates over one of the limits in force, in place of the rates, shape (K, n)."""
+    np.abs(rates, out=rates)
+    first = 0
+    for last in range(1, len(limits) + 1):  # they are one object for many ticks
+        if last == len(limits) or limits[last] is not limits[first]:
+            rates[first:last] /= getattr(limits[first], name)
+            first = last
+    return rates.astype(np.float32)

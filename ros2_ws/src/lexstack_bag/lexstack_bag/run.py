@@ -22,6 +22,7 @@ from lexstack_core.model import Team
 Integers = NDArray[np.int64]
 Strings = NDArray[Any]  # of str, equal texts are one object
 Names = NDArray[Any]  # of str: several names, with a space between them
+Single = NDArray[np.float32]  # to look at: nothing is computed anew from it
 Ragged = NDArray[np.float64]  # rows of different lengths: nan at their ends
 
 
@@ -71,8 +72,8 @@ class ChiStream:
     stack: Strings  # (T,) the stack that was solved
     transition_id: Integers  # (T,)
     chi: Matrix  # (T, n) m/s, rad/s
-    lower: Matrix  # (T, n) bounds on chi
-    upper: Matrix  # (T, n)
+    lower: Single  # (T, n) bounds on chi
+    upper: Single  # (T, n)
     slacks: Ragged  # (T, L) residual of each level, L the most levels that were solved
     status: Integers  # (T,) of SolveStatus
     empty_bounds: Integers  # (T,) joints with an empty box at the tick

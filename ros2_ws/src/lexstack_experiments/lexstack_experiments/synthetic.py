@@ -63,8 +63,7 @@ class _Pattern:
 
     def at(self, stamp: float, tick: int, **vectors: Vector) -> bytes:
         """Return the message of a time [s] and tick, with these numbers."""
-        seconds, nanoseconds = divmod(round(stamp * 1e9), 10**9)
-        _STAMP.pack_into(self.data, 4, seconds, nanoseconds)
+        _put_stamp(self.data, stamp)
         if self.tick is not None:
             struct.pack_into("<Q", self.data, self.tick, tick)
         for name, values in vectors.items():
@@ -151,9 +150,8 @@ class _Maker:
         """Return how far robot A is on its way."""
         blending = bool(switch) and since <= _BLEND
         phase = (_ADOPTING if since == _BLEND else _BLENDING) if blending else _IDLE
-        return _serialized(
+        data = _serialized(
             "lexstack_interfaces/msg/TransitionStatus",
-            stamp=tick * self._dt,
             tick=tick,
             id=switch,
             from_stack=self._stacks[(switch - 1) % len(self._stacks)] if switch else stack,
@@ -165,6 +163,8 @@ class _Maker:
             duration=_BLEND * self._dt,
             robots=list(self._team.names),
         )
+        _put_stamp(data, tick * self._dt)
+        return bytes(data)
 
     def _by_stack(self, make: Callable[[str], _Pattern]) -> dict[str, _Pattern]:
         """Return a pattern per stack."""
@@ -176,16 +176,22 @@ class _Maker:
             name: np.full(values.shape, 1000.5 + i)
             for i, (name, values) in enumerate(vectors.items())
         }
-        data = bytearray(_serialized(kind, stamp=0.0, tick=_TICK, **marked, **fields))
+        data = _serialized(kind, tick=_TICK, **marked, **fields)
         tick = data.find(struct.pack("<Q", _TICK))
         places = {name: data.index(values.tobytes()) for name, values in marked.items()}
         return _Pattern(data, None if tick < 0 else tick, places)
 
 
-def _serialized(kind: str, **fields: Any) -> bytes:
+def _put_stamp(data: bytearray, stamp: float) -> None:
+    """Write a time [s] to where every header has it, behind CDR's own head."""
+    seconds, nanoseconds = divmod(round(stamp * 1e9), 10**9)
+    _STAMP.pack_into(data, 4, seconds, nanoseconds)
+
+
+def _serialized(kind: str, **fields: Any) -> bytearray:
     """Return a message in CDR; what is not given is zero or empty."""
     store = _store(kind)
-    return bytes(store.serialize_cdr(_filled(store, kind, fields), kind))
+    return bytearray(store.serialize_cdr(_filled(store, kind, fields), kind))
 
 
 _STORES: dict[str, Any] = {}
@@ -211,7 +217,7 @@ def _filled(store: Any, kind: str, given: dict[str, Any]) -> Any:
         elif kind == "builtin_interfaces/msg/Time":
             values[name] = 0
         elif node == Nodetype.NAME:
-            values[name] = _filled(store, detail, given if name == "header" else {})
+            values[name] = _filled(store, detail, {})
         elif node == Nodetype.BASE:
             values[name] = {"string": "", "bool": False}.get(
                 detail[0], 0.0 if detail[0].startswith("float") else 0
