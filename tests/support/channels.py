@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lexstack_core.build import Parts
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.transition.status import SourceSample, TransitionState
 from lexstack_experiments.ideal import IdealPlant
@@ -30,12 +31,18 @@ def with_single_stacks() -> ResolvedScenario:
     return dataclasses.replace(base, stacks=stacks)
 
 
+@cache
+def parts() -> Parts:
+    """Return its robots and stacks, which have no memory."""
+    return Parts.of(with_single_stacks())
+
+
 def loop(**values: Any) -> Loop:
     """Return a closed loop in the ideal plant, with some values of the scenario replaced."""
     base = with_single_stacks()
     scenario = dataclasses.replace(base.scenario, **({"events": ()} | values))
     changed = dataclasses.replace(base, scenario=scenario)
-    return Loop(changed, IdealPlant(changed, team()))
+    return Loop(changed, IdealPlant(changed, team()), parts=parts())
 
 
 def chi_of(run: Loop, robot: str) -> np.ndarray:

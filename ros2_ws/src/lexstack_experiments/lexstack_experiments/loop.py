@@ -60,6 +60,7 @@ class Loop:
         resolved: ResolvedScenario,
         plant: AnyPlant | None = None,
         controller: Controller | None = None,
+        parts: Parts | None = None,
     ) -> None:
         """Build all parts and schedule the scenario's events.
 
@@ -67,9 +68,10 @@ class Loop:
             resolved: the scenario.
             plant: default: MuJoCo's.
             controller: robot A; default: as the nodes build it.
+            parts: of the scenario, where they are there already: to make them takes long.
         """
         self.resolved = resolved
-        self.parts = Parts.of(resolved)
+        self.parts = parts or Parts.of(resolved)
         self.plant: AnyPlant = plant or Plant(resolved, self.parts.team, resolved.scenario.seed)
         self.controller = controller or build_controller(resolved, self.parts)
         self.references_b = build_references(resolved, self.parts.team)

@@ -216,8 +216,9 @@ class Blend:
         carry, limit = self.carry, means.limits.acceleration
         if carry is not None:
             slip -= carry.speed
-        mine = self.way.part.columns
-        if (np.abs(slip[mine]) <= _FELT * limit[mine]).all():
-            return carry
         slip = np.minimum(np.maximum(slip, -limit), limit)
+        # Joint by joint: what one robot feels is nothing to the others.
+        slip[np.abs(slip) <= _FELT * limit] = 0.0
+        if not slip[self.way.part.columns].any():
+            return carry
         return replace(carry or Carry.none(slip.size, self.request.duration), slip=slip)
