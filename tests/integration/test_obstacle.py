@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lexstack_core.config.resolved import load_scenario
+from lexstack_core.config.scenario import EventConfig
 from lexstack_core.transition.status import Phase
 from lexstack_experiments.loop import Loop
 from lexstack_sim.obstacles import Clearance
@@ -101,6 +102,15 @@ def test_the_bases_reach_their_targets(run):
     for name, goal in run.resolved.scenario.events[1].base_target.items():
         part = team.slices[team.index(name)]
         assert np.linalg.norm(state.q[part][:2] - goal[:2]) <= 5e-3
+
+
+def test_a_switch_that_comes_late_comes_in_time():
+    """Distances hold from the trigger on; a blend of 1 s into them would touch the ball."""
+    late = EventConfig(6.0, switch="avoid")
+    loop = Loop(scenario(events=(late,), duration=9.0))
+    loop.run()
+    assert loop.plant.counters.contact == 0
+    assert clearance_of(loop).min() > 0.05
 
 
 def test_the_same_without_distances_is_run_over():

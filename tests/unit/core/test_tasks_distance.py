@@ -15,6 +15,7 @@ from lexstack_core.model import Obstacles, Pose, RobotModel, Team
 from lexstack_core.references import References
 from lexstack_core.tasks import TASKS
 from lexstack_core.tasks.distance import Distance, DistanceParameters, damped_speed
+from lexstack_core.transition.bridge import latch
 from support.oracle import lexicographic_oracle
 from support.scenario import home, random_q, state_at, team
 
@@ -341,6 +342,24 @@ def test_what_cannot_be_kept_is_relaxed_as_little_as_can_be(seed):
     assert (solution.chi <= box.upper + 1e-9).all()
     (best,) = lexicographic_oracle(HqpProblem((level,), box))
     assert solution.slacks[0] == pytest.approx(best.optimum, abs=1e-6)
+
+
+def test_a_transition_bridges_no_distance():
+    """What level 1 lacks at the trigger fades out, but for inequalities: they hold at once."""
+    a_team = team_with(post=ObstacleConfig((0.75, 0.0, 0.3), 0.1))
+    kinematics = a_team.kinematics(state_at(home()))
+    goals = References(a_team.tools(home()), (np.zeros(3), np.zeros(3)))
+    level = tuple(
+        TASKS[kind](a_team, 0, {}, "here").linearise(kinematics, goals)
+        for kind in ("distance", "ee_pose")
+    )
+    command = np.zeros(20)
+    command[0] = 2.0
+    assert level[0].residual(command).any()
+    bridge = latch(command, np.zeros(20), level, level_goes_on=False)
+    distances, poses = bridge.epsilon
+    assert not distances.any()
+    np.testing.assert_array_equal(poses, level[1].residual(command))
 
 
 # ---- closed loop: an ideal plant that does what it is told

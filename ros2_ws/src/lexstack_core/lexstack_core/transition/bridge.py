@@ -28,8 +28,9 @@ class Bridge:
 
     Attributes:
         delta: chi_A - chi_S, shape (n,), m/s and rad/s.
-        epsilon: per task of level 1 the residual of chi_A, or None where level 1 goes on as it
-            was: then its optimum is not touched, and strictness holds through the transition.
+        epsilon: per task of level 1 the residual of chi_A, zero for inequality rows; or None where
+            level 1 goes on as it was: then its optimum is not touched, and strictness holds through
+            the transition.
         carried: what the gap of this tick has besides (1 - alpha) delta, shape (n,), see ``carry``.
     """
 
@@ -50,7 +51,7 @@ def latch(
         level: level 1 of the new stack at this tick.
         level_goes_on: whether level 1 and its references are those that A followed until now.
     """
-    epsilon = None if level_goes_on else tuple(task.residual(command) for task in level)
+    epsilon = None if level_goes_on else tuple(_gap(task, command) for task in level)
     return Bridge(command - source, epsilon)
 
 
@@ -69,6 +70,15 @@ def bridged(
     if bridge.carried is not None:
         target += bridge.carried
     return first, target
+
+
+def _gap(task: LinearTask, command: Vector) -> Vector:
+    """Return what a task's equality rows lack at ``command``, shape (m,); zero for inequalities.
+
+    Those hold at once: what must not be touched is not touched a little during a blend, and rows
+    of such tasks may stand for other things from tick to tick.
+    """
+    return np.where(task.lower == task.upper, task.residual(command), 0.0)
 
 
 def goes_on(new: tuple[LinearTask, ...], old: tuple[LinearTask, ...], reach: Vector) -> bool:
