@@ -12,7 +12,7 @@ import pytest
 
 from lexstack_ros.view.hub import Hub
 from lexstack_ros.view.orders import Switch, read_order
-from lexstack_ros.view.server import ViewError, ViewServer
+from lexstack_ros.view.server import HOST, ViewError, ViewServer
 
 ORDER = {"do": "switch", "stack": "track", "duration": 1.0}
 
@@ -49,8 +49,8 @@ class Node:
 
     def ask(self, method="POST", path="/order", body=None, **headers):
         """Return status and body of a request; a header given as None is left out."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=10)
-        defaults = {"Origin": f"http://127.0.0.1:{self.port}", "Content-Type": "application/json"}
+        connection = http.client.HTTPConnection(HOST, self.port, timeout=10)
+        defaults = {"Origin": f"http://{HOST}:{self.port}", "Content-Type": "application/json"}
         given = {k.replace("_", "-"): v for k, v in headers.items()}
         sent = {k: v for k, v in (defaults | given).items() if v is not None}
         text = json.dumps(ORDER if body is None else body) if not isinstance(body, bytes) else body
@@ -67,7 +67,7 @@ def node():
 
 
 def test_the_page_is_served_with_guards(node):
-    connection = http.client.HTTPConnection("127.0.0.1", node.port, timeout=10)
+    connection = http.client.HTTPConnection(HOST, node.port, timeout=10)
     connection.request("GET", "/")
     response = connection.getresponse()
     assert (response.status, response.read()) == (200, b"<p>page</p>")
@@ -77,7 +77,8 @@ def test_the_page_is_served_with_guards(node):
 
 
 def test_it_listens_on_this_machine_alone(node):
-    assert node.server.url.startswith("http://127.0.0.1:")
+    assert HOST == "127.0.0.1"
+    assert node.server.url.startswith(f"http://{HOST}:")
     with pytest.raises(OSError, match="refused"):
         socket.create_connection(("127.0.0.2", node.port), timeout=2)
 
@@ -98,7 +99,7 @@ def test_a_refusal_comes_back_with_its_reason(node):
         ({"Origin": None}, 403),
         ({"Origin": "http://evil.example"}, 403),
         ({"Origin": "null"}, 403),
-        ({"Origin": "http://127.0.0.1:1"}, 403),
+        ({"Origin": f"http://{HOST}:1"}, 403),
         ({"Host": "evil.example"}, 403),
         ({"Host": "evil.example", "Origin": "http://evil.example"}, 403),
         ({"Content_Type": None}, 415),
@@ -133,7 +134,7 @@ def test_what_is_no_order_is_answered(node):
 
 
 def listen(node):
-    connection = http.client.HTTPConnection("127.0.0.1", node.port, timeout=10)
+    connection = http.client.HTTPConnection(HOST, node.port, timeout=10)
     connection.request("GET", "/events")
     return connection.getresponse()
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from lexstack_core.config.checks import positive
+from lexstack_core.config.checks import positive, shown
 from lexstack_core.config.reader import build, read_yaml
 from lexstack_core.errors import ConfigurationError
 
@@ -88,7 +88,7 @@ class HostsConfig:
         for node in only:
             if node not in self.nodes:
                 known = ", ".join(self.nodes)
-                raise ConfigurationError(f"--only: unknown node {node!r}; known: {known}")
+                raise ConfigurationError(f"--only: unknown node {shown(node)}; known: {known}")
         names = [name for name, host in self.hosts.items() if set(host.nodes) & set(only)]
         if len(names) != 1:
             where = ", ".join(names) or "no host"

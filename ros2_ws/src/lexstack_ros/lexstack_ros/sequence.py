@@ -2,45 +2,49 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+
 from lexstack_core.errors import InputError
 
-_FAR = 100  # ticks: farther ahead than this is believed only when the next tick follows it
+_FASTEST = 2000.0  # ticks per second of wall time; lockstep reaches some hundred
+_SLACK = 5  # ticks
 
 
 class TickOrder:
     """Tells new states from repeated, replayed and impossible ones.
 
-    A tick far ahead of the last may be a fault or the truth (this process was stopped for a
-    while). It is put aside; the state after it shows which it was.
+    A tick is ahead of the last by as much as time has passed: a process that was stopped for a
+    while finds the present again, and a state of the far future is not believed.
 
     Attributes:
         begins_anew: whether the last new state is the first after a reset of the plant, or of
             another plant.
     """
 
-    def __init__(self, where: str) -> None:
-        """Begin before the first tick of the topic ``where``."""
+    def __init__(self, where: str, clock: Callable[[], float] = time.monotonic) -> None:
+        """Begin before the first tick of the topic ``where``; ``clock`` is monotonic [s]."""
         self.begins_anew = False
         self._where = where
+        self._clock = clock
         self._origin: tuple[str, int] | None = None  # sender, resets
         self._last = -1
-        self._doubted = -1
+        self._heard = 0.0
 
     def is_new(self, sender: str, resets: int, tick: int) -> bool:
         """Return whether a state is to be served: false when it is over already.
 
         Raises:
-            InputError: it is far ahead of the last one, and not the successor of one that was.
+            InputError: it is farther ahead of the last one than time allows.
         """
         self.begins_anew = False
+        now = self._clock()
         if self._origin is None or sender != self._origin[0] or resets > self._origin[1]:
             self.begins_anew = self._origin is not None
-            self._origin, self._last, self._doubted = (sender, resets), tick, -1
-            return True
-        if resets < self._origin[1] or tick <= self._last:
+            self._origin = (sender, resets)
+        elif resets < self._origin[1] or tick <= self._last:
             return False
-        if tick > self._last + _FAR and not 0 < tick - self._doubted <= _FAR:
-            self._doubted = tick
-            raise InputError(f"{self._where}: tick: {tick} is far ahead of {self._last}")
-        self._last, self._doubted = tick, -1
+        elif tick - self._last > _SLACK + _FASTEST * (now - self._heard):
+            raise InputError(f"{self._where}: tick: {tick} cannot follow {self._last} so soon")
+        self._last, self._heard = tick, now
         return True

@@ -20,6 +20,7 @@ from lexstack_core.errors import ConfigurationError, LexstackError
 from lexstack_ros.bringup import NODES, bring_up
 from lexstack_ros.commands.demo import (
     add_run_arguments,
+    is_file,
     play_shown,
     resolve_scenario,
     run_folder,
@@ -162,7 +163,7 @@ def _parser(root: Path) -> argparse.ArgumentParser:
 def _host_file(root: Path, given: str) -> Path:
     """Return a configured file by its name, or any file."""
     configured = root / "config" / "hosts" / f"{given}.yaml"
-    return configured if configured.is_file() else Path(given)
+    return configured if is_file(configured) else Path(given)
 
 
 def _interrupt(_number: int, _frame: FrameType | None) -> None:

@@ -19,6 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from lexstack_bag.commands.analyze import analyze
 from lexstack_bag.goals import summary_lines
+from lexstack_core.config.checks import shown
 from lexstack_core.config.resolved import ResolvedScenario, load_scenario
 from lexstack_core.errors import ConfigurationError, LexstackError
 from lexstack_ros.bringup import bring_up
@@ -102,11 +103,11 @@ def _scenarios(root: Path) -> list[str]:
 def resolve_scenario(root: Path, options: argparse.Namespace) -> ResolvedScenario:
     """Return the scenario with the command line's values put in; raises ConfigurationError."""
     path = root / "config" / "scenarios" / f"{options.scenario}.yaml"
-    if not path.is_file():
+    if not is_file(path):
         path = Path(options.scenario)
-        if not path.is_file():
+        if not is_file(path):
             known = ", ".join(_scenarios(root))
-            raise ConfigurationError(f"unknown scenario {options.scenario!r}; known: {known}")
+            raise ConfigurationError(f"unknown scenario {shown(options.scenario)}; known: {known}")
     resolved = load_scenario(path, root / "config")
     scenario = resolved.scenario
     if options.seed is not None and not 0 <= options.seed < 2**31:
@@ -119,6 +120,14 @@ def resolve_scenario(root: Path, options: argparse.Namespace) -> ResolvedScenari
             seed=scenario.seed if options.seed is None else options.seed,
         ),
     )
+
+
+def is_file(path: Path) -> bool:
+    """Return whether a file is there; a name that cannot be one's is none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def run_folder(root: Path, out: Path | None, scenario: str) -> Path:
@@ -136,9 +145,7 @@ def run_folder(root: Path, out: Path | None, scenario: str) -> Path:
     return out
 
 
-def _run(
-    resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *, view: bool
-) -> int:
+def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *, view: bool) -> int:
     """Bring up, play, end, analyse; returns the exit code."""
     scenario = resolved.scenario
     (out / "scenario.yaml").write_text(resolved.to_yaml(), encoding="utf-8")

@@ -70,7 +70,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--exclude-topics", nargs="+", default=[], help="leave these topics out")
     parser.add_argument("--exclude-regex", default="", help="leave out topics that contain this")
     parser.add_argument(
-        "--patience", type=float, default=20.0, metavar="S", help="wall time to wait for an answer"
+        "--patience", type=float, default=30.0, metavar="S", help="wall time to wait for an answer"
     )
     parser.add_argument(
         "--scenario", type=Path, metavar="FILE", help="write the bag's scenario there, and end"
