@@ -47,8 +47,9 @@ def test_at_alpha_0_the_last_command_is_the_optimum_and_at_1_the_source():
     command, source, tasks = RNG.normal(size=6), RNG.normal(size=6), level()
     bridge = latch(command, source, tasks, level_goes_on=False)
     first, follow = bridged(bridge, tasks, source, 0.0)
-    for task in first:
-        np.testing.assert_allclose(task.residual(command), 0.0, atol=1e-12)
+    np.testing.assert_allclose(first[0].residual(command), 0.0, atol=1e-12)
+    np.testing.assert_array_equal(first[1].lower, tasks[1].lower, "an inequality holds at once")
+    np.testing.assert_array_equal(first[1].upper, tasks[1].upper)
     np.testing.assert_allclose(follow, command, atol=1e-12)
     first, follow = bridged(bridge, tasks, source, 1.0)
     np.testing.assert_array_equal(follow, source)

@@ -127,5 +127,8 @@ def _text(value: float | None, digits: int = 2) -> str:
 
 
 def _pair(values: PerRobot | None) -> str:
-    """Return the robots' values side by side, or a dash."""
+    """Return the robots' values side by side, of many the largest, or a dash."""
+    known = [value for value in (values or {}).values() if value is not None]
+    if len(known) > 2:
+        return f"at most {max(known):.2f}"
     return " / ".join(_text(value) for value in values.values()) if values else "–"

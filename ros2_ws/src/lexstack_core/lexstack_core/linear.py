@@ -38,5 +38,7 @@ class LinearTask:
 
     def residual(self, chi: Vector) -> Vector:
         """Return the signed distance of ``matrix @ chi`` to ``[lower, upper]``, shape (m,)."""
-        value = self.matrix @ chi
-        return value - np.clip(value, self.lower, self.upper)
+        value: Vector = self.matrix.dot(chi)
+        if self.lower is self.upper:
+            return value - self.lower
+        return value - np.minimum(np.maximum(value, self.lower), self.upper)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from lexstack_core.rotation import from_rpy
 BASE_JOINTS = ("base_x", "base_y", "base_yaw")
 
 
+@cache  # every robot of a team asks, and the package has thousands of files
 def description_path(relative: str) -> Path:
     """Return a file of the package ``example-robot-data``, by its path below ``robots/``."""
     try:

@@ -151,6 +151,13 @@ class Blend:
             self, source_chi=chi, drift=drift, progress=progress, carry=carry, bridge=bridge
         )
 
+    def over_at(self, tick: int, means: Means) -> bool:
+        """Return whether alpha is 1 at the next tick, if the source stays where it is."""
+        if self.request.profile == "time_optimal":
+            return self.advanced(self.source_chi, tick, means).progress.alpha >= 1.0
+        elapsed = (tick - self.start) * means.dt
+        return alpha(self.request.profile, elapsed, self.request.duration) >= 1.0
+
     def left(self, tick: int, duration: float, means: Means) -> tuple[Vector, Carry | None]:
         """Return what this blend, given up at ``tick``, leaves to the next one of ``duration`` [s].
 

@@ -107,11 +107,9 @@ class Channel:
             own = sources.chi(Source.LOCAL, request.id, target, moment)
             blend, why = _at_end(blend, own, moment.tick, means)
             reason = why or reason
-        elif adopts and blend.end is None and not blend.takes_over:
-            ahead = blend.advanced(chi, moment.tick + 1, means)
+        elif adopts and blend.end is None and blend.over_at(moment.tick + 1, means):
             # Known one tick ahead, so that the source never solves for nothing.
-            end = moment.tick + 2 if ahead.progress.alpha >= 1.0 else None
-            blend = blend if end is None else replace(blend, end=end)
+            blend = replace(blend, end=moment.tick + 2)
         plan = Plan(blend.problem(level, moment, means), blend.source_chi, blend.progress.alpha)
         return replace(self, blend=blend, reason=reason, used=moment.references), plan
 

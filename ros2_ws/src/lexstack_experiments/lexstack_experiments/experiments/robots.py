@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from time import thread_time
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,10 +48,10 @@ _COLUMNS = (
     "off dense", "acc. ratio", "adopted",
 )  # fmt: skip
 _NOTES = (
-    "idle, blending: median over the ticks before the first switch, and over those at which all",
-    "robots are in a blend, of the median over the passes; x 2 robots: that of blending, over two",
-    "robots in the same passes; off dense: chi from the optimum of all joints solved together,",
-    f"without clusters, at every {_EVERY}th tick; acc. ratio: peak of the command over the limit.",
+    "CPU time of a tick of robot A, the fastest pass of each tick. idle, blending: median over the",
+    "ticks before the first switch, and over those at which all robots are in a blend; x 2 robots:",
+    "that of blending over two robots; off dense: chi from the optimum of all joints solved",
+    f"together, without clusters, at every {_EVERY}th tick; acc. ratio: peak over the limit.",
 )
 
 Mask = NDArray[np.bool_]
@@ -114,11 +115,13 @@ def run(options: Options) -> Results:
     for number in range(_PASSES + 1):
         for case in cases:
             controller = build_controller(case.tape.resolved, Parts.of(case.tape.resolved))
-            spent, _ = case.tape.play(controller)
+            spent, _ = case.tape.play(controller, clock=thread_time)
             if number:  # the first pass warms up
                 times[case.count, case.way].append(_US * spent)
         options.say(f"pass {number} of {_PASSES}")
-    rows = [_row(case, np.array(times[case.count, case.way]), times) for case in cases]
+    measured = [np.array(times[case.count, case.way]) for case in cases]
+    two = {c.way: _busy(c, m) for c, m in zip(cases[:2], measured[:2], strict=True)}
+    rows = [_row(case, mine, two[case.way]) for case, mine in zip(cases, measured, strict=True)]
     draw(cases, rows, options.out / "robots.png")
     return Results(
         NAME,
@@ -201,23 +204,22 @@ def _adopted(states: tuple) -> int:
     )
 
 
-def _row(
-    case: Case, mine: NDArray[np.float64], times: dict[tuple[int, str], list[Vector]]
-) -> tuple[Cell, ...]:
-    """Return a line of the table; ``mine`` of shape (passes, ticks) [us]."""
-    two = np.array(times[SIZES[0], case.way])
+def _busy(case: Case, times: NDArray[np.float64]) -> float:
+    """Return the time of a tick while all robots blend [us]; ``times`` of shape (passes, ticks)."""
+    return float(np.median(times.min(axis=0)[case.blending]))
+
+
+def _row(case: Case, mine: NDArray[np.float64], two: float) -> tuple[Cell, ...]:
+    """Return a line of the table; ``mine`` of shape (passes, ticks), ``two``: two robots' [us]."""
     first = round(_FIRST * case.tape.resolved.scenario.rate)
-    idle = float(np.median(np.median(mine[:, 1:first], axis=0)))
-    busy = np.median(mine[:, case.blending], axis=1)
-    others = np.median(two[:, case.blending[: two.shape[1]]], axis=1)
-    middle = float(np.median(busy))
+    quiet, middle = mine.min(axis=0), _busy(case, mine)
     return (
         case.count,
         case.way,
         case.channels,
-        idle,
+        float(np.median(quiet[1:first])),
         middle,
-        float(np.median(busy / others)),
+        middle / two,
         middle / case.count,
         case.apart,
         case.peak,
