@@ -12,6 +12,7 @@ from lexstack_core.htmpc import (
     Present,
     Sequence,
     SequenceTask,
+    Start,
     Surroundings,
     base_path,
     hold,
@@ -184,6 +185,45 @@ def test_the_robot_goes_around_an_obstacle_that_moves():
         for t, q in zip(free.times, free.q, strict=True)
     )
     assert apart < 0.25 + 0.49, "without distances it would have hit"
+
+
+def test_two_robots_keep_off_each_other():
+    """They change places on one line; each takes the other's last plan for granted."""
+    solver = Htmpc(robot(), config("lexstack", iterations=2, tolerance=0.01), (0, 1))
+    places = [np.array([0.0, 0.0, 0.0]), np.array([4.0, 0.3, 0.0])]
+    q = [robot().home(tuple(place)) for place in places]
+    v = [np.zeros(9), np.zeros(9)]
+    goals = [places[1][:2], places[0][:2]]
+    plans = [None, None]
+    least = np.inf
+    for k in range(150):
+        times = 0.1 * k + solver.horizon.times[1:]
+        for i, other in ((0, 1), (1, 0)):
+            ahead = plans[other]
+            there = np.tile(q[other], (10, 1)) if ahead is None else ahead.configurations(times)
+            reach = (Track("base_position", hold(goals[i])),)
+            objectives = objectives_of(reach, 0.1 * k + solver.horizon.times)
+            start = Start(0.1 * k, q[i], v[i])
+            plans[i] = solver.solve(start, objectives, plans[i], solver.obstacles(there))
+        for i in range(2):
+            q[i], v[i] = plans[i].q[1], plans[i].v[1]
+        centers = [sphere_centers("ur10_ridgeback", each)[:2] for each in q]
+        apart = np.linalg.norm(centers[0][:, None] - centers[1], axis=2) - 2 * 0.49
+        least = min(least, apart.min())
+    assert least > 0.0
+    for i in range(2):
+        assert np.linalg.norm(q[i][:2] - goals[i]) < 0.1
+
+
+def test_a_bent_step_brings_the_base_further_within_the_same_tolerance():
+    """A straight step leaves the curved set of H(12), so that H(13) shortens it."""
+    away = {}
+    for correction in (False, True):
+        solver = optimiser(tolerance=2e-4, correction=correction, resume=False)
+        record = follow_htmpc(solver, HOME, SQUARE, 5.0)
+        assert tool_errors(record, TOOL).max() < 3e-3
+        away[correction] = np.linalg.norm(record.q[-1, :2])
+    assert away[True] > 1.3 * away[False]
 
 
 @pytest.mark.parametrize("gains", ["authors", "tuned"])

@@ -115,6 +115,15 @@ class Htmpc:
             solve_time=perf_counter() - begun,
         )
 
+    def obstacles(self, q: Matrix) -> Surroundings:
+        """Return this robot's spheres as what is in another robot's way.
+
+        Args:
+            q: where it will be at the states 1 to N of the other one, shape (N, n).
+        """
+        at = self._model_with_spheres.at(q)
+        return Surroundings(at.centers, self._model_with_spheres.radii)
+
     def _solve_levels(
         self, program: Program, tasks: list[Task], iterate: Iterate, before: Plan | None
     ) -> tuple[list[LevelStatus], tuple[Holding, ...], Iterate]:

@@ -56,6 +56,10 @@ class Plan:
         v = self.v[stage]
         return self.q[stage] + rest * v + 0.5 * rest * rest * u, v + rest * u, u
 
+    def configurations(self, times: Vector) -> Matrix:
+        """Return q at times of shape (k,) [s], shape (k, n): where another robot must not be."""
+        return np.array([self.sample(float(time))[0] for time in times])
+
     def input_before(self, stamp: float) -> Vector:
         """Return u_{-1} at a time [s]: the input that was in force just before, shape (n,)."""
         elapsed = (stamp - self.stamp) / self.step
