@@ -21,6 +21,7 @@ RUN_FILES = {
     "bag/",
     "bag_0.mcap",
     "logs/",
+    "comparison.html",
     "metadata.yaml",
     "metrics.json",
     "report.html",

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lexstack_bag.measures import COMMANDER, Measures
 from lexstack_bag.phases import Phase
@@ -46,12 +47,14 @@ def computation(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
         traces.append(line(series, name, color, dash=dash, unit="ms", width=1.0))
     status = run.transition
     under_way = np.isin(status.phase, _UNDER_WAY)  # at other times neither means anything
-    for row, name, color, unit, values in (
-        (2, "α", BLACK, "", status.alpha),
-        (3, "gap to the source", PURPLE, "m/s, rad/s", status.gap),
-    ):
-        series = grid.series(status.tick, np.where(under_way, values, np.nan))
-        traces.append(line(series, name, color, row=row, unit=unit))
+    for i, (whose, mine) in enumerate(_transitions(run, under_way)):
+        for row, name, color, unit, values in (
+            (2, "α", BLACK, "", status.alpha),
+            (3, "gap to the source", PURPLE, "m/s, rad/s", status.gap),
+        ):
+            series = grid.series(status.tick[mine], values[mine])
+            dash = DASHES[i % len(DASHES)]
+            traces.append(line(series, name + whose, color, row=row, dash=dash, unit=unit))
     return Figure(
         "computation",
         "Solve times, α and the gap",
@@ -62,6 +65,16 @@ def computation(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
         traces,
         stacked(["solve time [ms]", "α [-]", "gap [m/s, rad/s]"], 160, phases, grid.span),
     )
+
+
+def _transitions(run: Run, under_way: NDArray[np.bool_]) -> list[tuple[str, Any]]:
+    """Return the rows of the transitions that are under way, by the robots that they are about."""
+    robots = run.transition.robots
+    if not len(robots):
+        return [("", under_way)]
+    groups = sorted(set(robots[under_way].tolist())) or [""]
+    names = {group: f", {group}" if len(groups) > 1 else "" for group in groups}
+    return [(names[group], under_way & (robots == group)) for group in groups]
 
 
 def smoothness(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> Figure:

@@ -111,10 +111,14 @@ def from_above(run: Run, measures: Measures) -> Figure:
 
 def stacks(phases: Sequence[Phase], grid: Grid) -> Figure:
     """Return which stack was in effect when, and what was blended."""
-    spans = [Span("stack", phase.stack, phase.start, phase.end) for phase in phases]
+
+    def lane(what: str, phase: Phase) -> str:
+        return ", ".join([what, *phase.robots])
+
+    spans = [Span(lane("stack", p), p.stack, p.start, p.end) for p in phases]
     spans += [
-        Span("transition", f"to {phase.stack}", phase.start, phase.adopted or phase.end)
-        for phase in phases[1:]
+        Span(lane("transition", p), f"to {p.stack}", p.start, p.adopted or p.end)
+        for p in phases[1:]
     ]
     return timeline(
         "timeline",

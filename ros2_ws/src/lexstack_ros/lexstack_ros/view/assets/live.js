@@ -50,12 +50,12 @@
     const most = Math.max(0, ...history.map((news) => news.levels.length));
     const level = (k) => history.map((news) => (k < news.levels.length
       ? Math.max(news.levels[k], LEAST) : null));
-    const names = Object.keys(last?.solve ?? {});
+    const names = [...new Set(history.flatMap((news) => Object.keys(news.solve)))];
     return [
       ...Array.from({ length: most }, (_, k) => line(`level ${k + 1}`, level(k), k, "",
         "m/s, rad/s")),
       ...names.map((name, i) => line(`solve time ${name}`,
-        history.map((news) => news.solve[name]), i, 2, "ms")),
+        history.map((news) => news.solve[name] ?? null), i, 2, "ms")),
       line("α", history.map((news) => news.alpha), 3, 3, ""),
     ];
   }

@@ -1,0 +1,79 @@
+"""Makes the documents' pictures of report, 3-D view and live page anew, with headless Chromium."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+
+from support.browser import Browser, find_browser
+
+ROOT = Path(__file__).resolve().parents[1]
+IMAGES = ROOT / "docs/images"
+COLORS = 192  # of a picture: small files, and no difference to see
+
+
+def save(path: Path, image) -> None:
+    """Write a small PNG."""
+    picture = Image.fromarray(image).quantize(COLORS, dither=Image.Dither.NONE)
+    picture.save(path, optimize=True)
+    print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1000:.0f} kB")
+
+
+def report(path: Path, at: float) -> None:
+    """Take the report's pictures: its top, its 3-D view at a time [s], its first switch."""
+    with Browser((1200, 1150)) as page:
+        page.open(path.as_uri())
+        page.wait("document.documentElement.dataset.drawn")
+        page.run(f"LexstackPlayer.show({at})")
+        save(IMAGES / "view.png", page.picture("#view-section"))
+        save(IMAGES / "switch.png", page.picture("#switch-a-section"))
+        page.run("scrollTo(0, 0)")
+        save(IMAGES / "report.png", page.picture())
+
+
+def live() -> None:
+    """Run the demo with its live page, and take a picture of it within a blend."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "lexstack_ros.commands.demo", "--view"]
+        run = subprocess.Popen(
+            [*command, "--out", f"{folder}/run"], stdout=subprocess.PIPE, text=True, cwd=ROOT
+        )
+        try:
+            url = next(found[0] for line in run.stdout if (found := re.search(r"http://\S+", line)))
+            with Browser((1320, 1240)) as page:
+                page.open(url)
+                page.wait("window.LexstackLive?.news()?.phase === 'blending'", 90)
+                page.wait("document.querySelectorAll('#strips .scatterlayer .trace').length >= 3")
+                save(IMAGES / "live.png", page.picture())
+        finally:
+            run.send_signal(signal.SIGINT)
+            run.wait(60)
+
+
+def main() -> int:
+    """Run the command; return its exit code."""
+    parser = argparse.ArgumentParser(prog="./scripts/gallery", description=__doc__)
+    parser.add_argument("run", type=Path, help="run folder of the demo, with its report.html")
+    parser.add_argument("--at", type=float, default=18.3, help="time of the 3-D view [s]")
+    options = parser.parse_args()
+    path = options.run.resolve() / "report.html"
+    if not path.is_file():
+        print(f"gallery: {path}: no such file; run ./scripts/demo first", file=sys.stderr)
+        return 2
+    if find_browser() is None:
+        print("gallery: no Chromium; install chromium", file=sys.stderr)
+        return 2
+    report(path, options.at)
+    live()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
