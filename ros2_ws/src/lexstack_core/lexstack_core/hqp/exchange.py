@@ -94,7 +94,7 @@ def solve_by_exchange(
         if np.count_nonzero(guess.joints):
             chi = _on_bounds(guess.joints, lower, upper, chi)
             basis = _unit(chi.size).compress(guess.joints == 0, axis=1)
-        pressing = basis is not None or not hierarchy.exact
+        pressing = basis is not None or bool(np.count_nonzero(guess.rows))
         steps = _chain(hierarchy, guess.rows, basis, chi, pressing)
         if not math.isfinite(chi.dot(chi)):
             return None
@@ -152,6 +152,8 @@ def _chain(
         if basis is not None and basis.shape[1] == 0 and not pressing:
             break
         last = k == len(levels)
+        if not (level.exact or level.equal.any() or rows[level.part].any()):
+            continue  # no row of it asks for anything
         step = _step(level, rows, basis, last)
         steps.append(step)
         basis = _move(step, chi, last)
