@@ -19,6 +19,7 @@ setup(
         (f"share/{PACKAGE}", ["package.xml"]),
     ],
     install_requires=[
+        "imageio-ffmpeg",
         "lexstack-core",
         "mcap>=1.2",
         "numpy>=2",
@@ -26,6 +27,7 @@ setup(
         "plotly>=6",
         "PyYAML>=6",
         "rosbags>=0.11",
+        "trimesh>=5.2",
         "zstandard",
     ],
     zip_safe=False,
