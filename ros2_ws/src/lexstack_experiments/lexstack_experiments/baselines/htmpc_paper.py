@@ -8,7 +8,9 @@ limits, bent steps, resuming): H(12) alone.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from time import perf_counter
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -22,13 +24,15 @@ from lexstack_core.model import RobotModel
 from lexstack_experiments.baselines.htmpc_casadi import Symbols, curvature, program, weights_of
 
 SOLVERS: dict[str, dict[str, object]] = {
-    "gurobi": {"gurobi": {"OutputFlag": 0}},
-    "osqp": {"osqp": {"verbose": False}},
+    "gurobi": {},
+    "osqp": {"osqp": {"verbose": False, "eps_abs": 1e-6, "eps_rel": 1e-6, "max_iter": 20000}},
     "proxqp": {},
+    "qrqp": {"print_iter": False, "print_header": False, "print_info": False},
 }
-"""QP solvers that CasADi may have, with the options that silence them: the paper's, then the others
-that solve these QPs, the fastest first. Of the rest qrqp calls answers solved that violate H(12) by
-centimetres, daqp wants a definite Hessian, highs, qpoases and ipqp are slower or fail."""
+"""QP solvers with their options: the paper's Gurobi, through its own package, whose restricted
+licence CasADi cannot use; then what CasADi ships. OSQP gets Gurobi's tolerance; with its own of
+1e-3 it violates H(12) by millimetres, as much as delta. Of those that are not here daqp wants a
+definite Hessian, ipqp and highs fail on some, qpoases takes seconds."""
 
 
 class PaperHtmpc:
@@ -73,6 +77,7 @@ class PaperHtmpc:
         ]
         gaps = ca.vec(symbols.gaps)
         self._dynamics = ca.Function("dynamics", inputs, [ca.jacobian(gaps, unknowns)])
+        self._condensed = _condensed(self._horizon, robot.n)
         self.failures = 0
 
     def solve(
@@ -127,17 +132,15 @@ class PaperHtmpc:
             error = np.array(self._errors[i](*point)).ravel()
             lower.append(np.minimum(-best[i] - error, 0.0))
             upper.append(np.maximum(best[i] - error, 0.0))
-        options = {"error_on_fail": False, **SOLVERS[self._solver]}
-        structure = {"h": hessian.sparsity(), "a": a.sparsity()}
-        conic = ca.conic("qp", self._solver, structure, options)  # anew, as the paper's code does
-        answer = conic(
-            h=hessian, g=gradient, a=a, lba=np.concatenate(lower), uba=np.concatenate(upper)
-        )
-        if not conic.stats()["success"]:
+        bounds = (np.concatenate(lower), np.concatenate(upper))
+        if self._solver == "gurobi":
+            step = _gurobi(self._condensed, (hessian, gradient), a[equal.size :, :], bounds)
+        else:
+            step = _conic(self._solver, hessian, gradient, a, bounds)
+        if step is None:
             self.failures += 1
             return u
-        step = np.array(answer["x"]).ravel()
-        slope = float(np.array(gradient).ravel() @ step)
+        slope = float(gradient.full().ravel() @ step)
         direction = step[-u.size :].reshape(u.shape)
         return self._search(level, u, direction, slope, given, best)
 
@@ -169,6 +172,64 @@ class PaperHtmpc:
                 return tried
             alpha *= rules.beta
         return u
+
+
+def _conic(
+    name: str, hessian: ca.DM, gradient: ca.DM, rows: ca.DM, bounds: tuple[Vector, Vector]
+) -> Vector | None:
+    """Return the optimum of a QP by CasADi, its object made anew as the paper's code does."""
+    structure = {"h": hessian.sparsity(), "a": rows.sparsity()}
+    conic = ca.conic("qp", name, structure, {"error_on_fail": False, **SOLVERS[name]})
+    answer = conic(h=hessian, g=gradient, a=rows, lba=bounds[0], uba=bounds[1])
+    return answer["x"].full().ravel() if conic.stats()["success"] else None
+
+
+def _gurobi(
+    condensed: Matrix, cost: tuple[ca.DM, ca.DM], rows: ca.DM, bounds: tuple[Vector, Vector]
+) -> Vector | None:
+    """Return the optimum of a QP by Gurobi, its model made anew.
+
+    Its restricted licence allows 200 unknowns, so the states are eliminated first.
+
+    Args:
+        condensed: unknowns by inputs, shape (3 N n, N n).
+        cost: Hessian and gradient in the unknowns.
+        rows: of the levels above alone, in the unknowns.
+        bounds: of the dynamics, then of these rows.
+    """
+    import gurobipy  # noqa: PLC0415  (optional: not in the lock)
+
+    model = gurobipy.Model(env=_environment())
+    u = model.addMVar(condensed.shape[1], lb=-np.inf)
+    hessian = condensed.T @ (cost[0].sparse() @ condensed)
+    model.setObjective(0.5 * (u @ hessian @ u) + (cost[1].full().ravel() @ condensed) @ u)
+    if rows.size1():
+        matrix = rows.sparse() @ condensed
+        model.addConstr(matrix @ u >= bounds[0][-rows.size1() :])
+        model.addConstr(matrix @ u <= bounds[1][-rows.size1() :])
+    try:
+        model.optimize()
+    except gurobipy.GurobiError:  # too large for its licence
+        return None
+    return condensed @ u.X if model.Status == gurobipy.GRB.OPTIMAL else None
+
+
+@cache
+def _environment() -> Any:
+    """Return Gurobi's environment, silent; it looks for a licence once."""
+    import gurobipy  # noqa: PLC0415
+
+    return gurobipy.Env(params={"OutputFlag": 0})
+
+
+def _condensed(horizon: Horizon, n: int) -> Matrix:
+    """Return the unknowns, states then inputs, by the inputs: shape (3 N n, N n)."""
+    stages = horizon.stages
+    states = np.zeros((stages, 2 * n, stages, n))
+    joint = np.arange(n)
+    states[:, joint, :, joint] = horizon.to_position
+    states[:, n + joint, :, joint] = horizon.to_velocity
+    return np.vstack((states.reshape(2 * n * stages, stages * n), np.eye(stages * n)))
 
 
 def _stacked(symbols: Symbols) -> tuple[ca.MX, Symbols]:
