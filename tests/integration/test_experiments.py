@@ -48,7 +48,12 @@ def few_methods(monkeypatch):
 
 
 def test_the_list_of_experiments_is_tested_here():
-    assert set(EXPERIMENTS) >= {"transition-sequence", "transition-methods", "computation"}
+    assert set(EXPERIMENTS) >= {
+        "transition-sequence",
+        "transition-methods",
+        "computation",
+        "robots",
+    }
     assert set(BENCHES) >= {"transition"}
 
 
@@ -108,3 +113,16 @@ def test_bench_transition(tmp_path):
     assert figures(content)["Replayed chi against recorded"] == 0.0
     assert len(content["tables"]) == 2
     assert {row["state"] for row in content["tables"][0]["rows"]} == {"idle", "blending"}
+
+
+def test_robots(tmp_path):
+    content = results_of(experiment.main, "robots", tmp_path)
+    rows = content["tables"][0]["rows"]
+    assert [(row["robots"], row["switch"], row["channels"]) for row in rows] == [
+        (2, "at once", 1),
+        (2, "one by one", 2),
+    ]
+    found = figures(content)
+    assert found["Robots that have not adopted their stack"] == 0.0
+    assert found["chi off the dense solution"] <= 1e-6
+    assert found["Tick of 8 robots over that of 2, at once"] is None, "it was not run"

@@ -38,9 +38,6 @@ class RobotModel:
         self.spheres = SphereModel(name, self.pinocchio, config.spheres)
         self._data: pin.Data = self.pinocchio.createData()
         self._tool: int = self.pinocchio.getFrameId("tool")
-        frame = self.pinocchio.frames[self._tool]
-        self._hand: int = frame.parentJoint
-        self._on_hand: pin.SE3 = frame.placement.copy()
 
     @property
     def n(self) -> int:
@@ -57,7 +54,7 @@ class RobotModel:
             self.pinocchio, self._data, q, self._tool, pin.LOCAL_WORLD_ALIGNED
         )
         # computeFrameJacobian places the joints but not the frame.
-        pose = self._data.oMi[self._hand] * self._on_hand
+        pose = pin.updateFramePlacement(self.pinocchio, self._data, self._tool)
         return Pose(pose.translation.copy(), pose.rotation.copy()), jacobian
 
 

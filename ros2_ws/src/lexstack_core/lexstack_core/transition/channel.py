@@ -111,7 +111,13 @@ class Channel:
             # Known one tick ahead, so that the source never solves for nothing.
             blend = replace(blend, end=moment.tick + 2)
         plan = Plan(blend.problem(level, moment, means), blend.source_chi, blend.progress.alpha)
-        return replace(self, blend=blend, reason=reason, used=moment.references), plan
+        used = moment.references
+        return (
+            Channel(
+                self.part, self.adopted, self.origin, self.id, used, blend, reason, self.aborted
+            ),
+            plan,
+        )
 
     def finished(self, plan: Plan, sources: Sources, *, adopts: bool) -> Channel:
         """Return the channel after the tick: at the end it has adopted the stack."""
