@@ -7,7 +7,7 @@ document.addEventListener("lexstack-open", () => {
     JSON.parse(source.textContent);
   const view = View3d.open(document.getElementById("view3d"), scene);
   if (!view) return;
-  const numbers = (text) => new Float32Array(View3d.bytes(text));
+  const numbers = (text) => new Float32Array(decoded(text));
   const [time, q, obstacles, alpha] = ["time", "q", "obstacles", "alpha"]
     .map((name) => numbers(frames[name]));
   const [since, ee] = [numbers(targets.from), numbers(targets.poses)];
@@ -77,7 +77,7 @@ document.addEventListener("lexstack-open", () => {
   }
 
   view.obstacles(radii);
-  for (const path of paths) view.path(new Float32Array(View3d.bytes(path.points)), path.color);
+  for (const path of paths) view.path(new Float32Array(decoded(path.points)), path.color);
   view.look(box[0], box[1]);
   Object.assign(slider, { min: begin, max: end, step: "any" });
   for (const mark of marks) {

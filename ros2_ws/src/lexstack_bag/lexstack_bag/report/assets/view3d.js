@@ -4,18 +4,14 @@
 const View3d = (() => {
   const AXIS_COLORS = [0xc0392b, 0x1e8449, 0x1f4e9c];
 
-  function bytes(text) {
-    return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
-  }
-
   function meshGeometry(mesh) {
-    const places = new Uint16Array(bytes(mesh.vertices));
+    const places = new Uint16Array(decoded(mesh.vertices));
     const vertices = new Float32Array(places.length);
     places.forEach((place, i) => { vertices[i] = mesh.lower[i % 3] + mesh.step[i % 3] * place; });
     const Indices = mesh.wide ? Uint32Array : Uint16Array;
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(vertices, 3));
-    geometry.setIndex(new THREE.BufferAttribute(new Indices(bytes(mesh.faces)), 1));
+    geometry.setIndex(new THREE.BufferAttribute(new Indices(decoded(mesh.faces)), 1));
     geometry.computeVertexNormals();
     return geometry;
   }
@@ -217,5 +213,5 @@ const View3d = (() => {
     }
   }
 
-  return { open, bytes };
+  return { open };
 })();
