@@ -15,6 +15,7 @@ from lexstack_core.bounds import viable_bounds
 from lexstack_core.config.scenario import TransitionConfig
 from lexstack_core.hqp import HqpProblem
 from lexstack_experiments.ideal import IdealPlant
+from lexstack_experiments.links import Delayed
 from lexstack_experiments.loop import Loop
 from support.scenario import changed, home, team
 
@@ -30,7 +31,8 @@ RUNS = st.fixed_dictionaries(
         "switches": st.lists(
             st.tuples(st.integers(1, TICKS - 10), st.sampled_from(STACKS)), min_size=1, max_size=4
         ),
-        "lost_from": st.sampled_from([10_000, 25]),
+        "lost": st.sampled_from([(10_000, 10_000), (25, 10_000), (25, 35)]),  # from, until
+        "late": st.sampled_from([0, 0, 3]),  # ticks
     }
 )
 
@@ -52,11 +54,15 @@ def closed_loop(run):
         initial_stack=run["initial_stack"],
         events=(),
         transition=TransitionConfig(duration=run["duration"]),
+        mode="realtime" if run["late"] else "lockstep",
     )
     plant = IdealPlant(scenario, team())
     plant.put(*start(np.random.default_rng(run["seed"])))
     loop = Loop(scenario, plant)
-    loop.b_answers = lambda tick: tick < run["lost_from"]
+    lost_from, until = run["lost"]
+    loop.b_answers = lambda tick: tick < lost_from or tick >= until
+    if run["late"]:
+        loop.link = Delayed(run["late"])
     for tick, stack in run["switches"]:
         loop.controller.transition.ask(stack, 0.0, "", tick)
     return loop
@@ -100,6 +106,34 @@ def test_the_command_is_continuous_at_every_trigger(run):
         previous, before = before, command.chi
 
 
+@settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@given(
+    st.integers(0, 10_000),
+    st.sampled_from(STACKS),
+    st.sampled_from(STACKS),
+    st.integers(15, 40),
+    st.sampled_from(["request", "loss", "return"]),
+)
+def test_the_acceleration_goes_on_through_whatever_comes_in_mid_blend(seed, one, other, tick, what):
+    """By how much it changes from tick to tick is of the size that it has anyway in the blend."""
+    run = {
+        "seed": seed,
+        "initial_stack": "track",
+        "duration": 0.5,
+        "switches": [(1, one), *([(tick, other)] if what == "request" else [])],
+        "lost": {"request": (10_000, 10_000), "loss": (tick, 10_000), "return": (8, tick)}[what],
+        "late": 0,
+    }
+    loop = closed_loop(run)
+    loop.plant.put(loop.plant.state().q, np.zeros(team().n))
+    loop.run(TICKS)
+    chi = np.array([command.chi for command in loop.record.commands])
+    jerk = np.abs(np.diff(chi, n=2, axis=0)) / (loop.parts.dt**2 * team().limits.jerk)
+    here = jerk[tick - 3 : tick + 2].max()
+    assert here <= 4.0 * jerk[3:].max(axis=1).mean() + 0.02, "a command that stood still: 0.1 to 1"
+    assert loop.record.commands[tick].transition.alpha == 0.0, "latched anew"
+
+
 @settings(max_examples=15, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(RUNS)
 def test_level_1_is_as_good_as_the_oracle_makes_it(run):
@@ -127,7 +161,8 @@ def test_the_tests_above_can_fail(fault, monkeypatch):
         "initial_stack": "track",
         "duration": 0.05,
         "switches": [(20, "posture")],
-        "lost_from": 10_000,
+        "lost": (10_000, 10_000),
+        "late": 0,
     }
     if fault == "acceleration":
         monkeypatch.setattr(
