@@ -16,6 +16,7 @@ from std_msgs.msg import String
 from lexstack_interfaces.msg import Chi, PlantState
 
 COUNT = int(sys.argv[1])
+HEARD = sys.argv[2:]  # topics that the recorder shall listen to; none: all
 ROBOTS = ["robot_a", "robot_b"]
 Q = array("d", [0.25] * 20)
 
@@ -40,7 +41,8 @@ def main() -> None:
     )
     publishers["/robot_a/robot_description"].publish(String(data="<robot/>"))
     deadline = time.monotonic() + 20.0
-    while not all(p.get_subscription_count() for p in publishers.values()):
+    heard = [publishers[topic] for topic in HEARD or publishers]
+    while not all(publisher.get_subscription_count() for publisher in heard):
         if time.monotonic() > deadline:
             sys.exit("the recorder did not subscribe to everything")
         time.sleep(0.02)

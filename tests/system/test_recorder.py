@@ -72,10 +72,10 @@ def recorder(request, tmp_path, scenario, environment) -> Iterator[subprocess.Po
 
 
 @pytest.fixture
-def sent(recorder, environment) -> Iterator[dict[str, int]]:
-    """What was published and has arrived at the recorder, by topic."""
+def sent(request, recorder, environment) -> Iterator[dict[str, int]]:
+    """What was published and has arrived at the recorder, by topic; a test may name topics."""
     script = str(ROOT / "tests/system/recorder_publisher.py")
-    process = start([script, str(COUNT)], environment)
+    process = start([script, str(COUNT), *getattr(request, "param", [])], environment)
     assert process.stdout is not None
     line = process.stdout.readline()
     assert line, process.communicate()[1]
@@ -158,6 +158,7 @@ def test_a_kill_leaves_a_readable_bag_also_split_and_compressed(recorder, sent, 
     [{"regex": '"state|chi$|found"', "exclude_topics": "/robot_a/chi", "max_bag_duration": 0.2}],
     indirect=True,
 )
+@pytest.mark.parametrize("sent", [["/plant/state", "/found/by/itself"]], indirect=True)
 def test_topics_are_selected_and_files_split_by_time(recorder, sent, tmp_path):
     recorder.send_signal(signal.SIGINT)
     _, log = recorder.communicate(timeout=20)

@@ -250,7 +250,7 @@ def test_one_live_node_among_recorded_ones_gives_the_recorded_chi(
     assert ros_command.main([str(recorded), "--publish", "--scenario", str(path)]) == 0
     with own_domain() as domain, live(module, path, domain):
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-        code = ros_command.main([str(recorded), "--publish", node, "--rate", "0"])
+        code = ros_command.main([str(recorded), "--publish", node, "--rate", "0", "--patience", "90"])
     said = capfd.readouterr().out
     assert code == 0, said
     assert f"{node}: identical over all" in said

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import random
 import signal
 import struct
 import sys
@@ -27,6 +28,8 @@ from std_msgs.msg import String
 _DEPTH = 2000
 _HEAD = 8  # bytes: CDR's encapsulation and the text's length
 _PATIENCE = 20.0  # s of wall time for a listener
+_DIFFERENT = 997  # contents, more than a chunk holds
+_LETTERS = bytes(33 + value % 64 for value in range(256))
 _TICK = 0.002  # s between two batches of messages
 
 
@@ -51,21 +54,26 @@ def publish(rate: float, size: int, seconds: float, topics: int) -> dict[str, fl
         time.sleep(0.02)
     time.sleep(0.5)  # matching is mutual
     total = round(rate * seconds)
-    text = "x" * (size - _HEAD - 1)
+    contents = [_content(size, seed) for seed in range(_DIFFERENT)]
     begun, sent = time.monotonic(), 0
     while sent < total:
         due = min(total, int((time.monotonic() - begun) * rate) + 1)
         for number in range(sent, due):
-            data = struct.pack("<BBHI", 0, 1, 0, len(text) + 1) + text.encode() + b"\0"
-            publishers[number % topics].publish(data)
+            publishers[number % topics].publish(contents[number % _DIFFERENT])
         sent = due
         time.sleep(_TICK)
     spent = time.monotonic() - begun
     for publisher in publishers:
         publisher.wait_for_all_acked(Duration(seconds=5.0))
-    assert len(data) == size
     node.destroy_node()
     return {"sent": total, "seconds": spent}
+
+
+def _content(size: int, seed: int) -> bytes:
+    """Return a text of ``size`` bytes in CDR that compresses to about two thirds."""
+    length = size - _HEAD - 1
+    text = random.Random(seed).randbytes(length).translate(_LETTERS)
+    return struct.pack("<BBHI", 0, 1, 0, length + 1) + text + b"\0"
 
 
 def record(path: Path) -> None:

@@ -82,22 +82,23 @@ class Recorder(Node):
             tap.begin()
 
     def _discover(self) -> None:
-        """Subscribe to topics that are new, and anew where the QoS did not fit."""
+        """Subscribe to topics that are new, and anew where the QoS of a publisher does not fit."""
         for name, types in self.get_topic_names_and_types():
-            tap = self._taps.get(name)
-            if tap is not None and not tap.shared:
-                tap.shared = self.count_publishers(name) > 1
-            done = name in self._announced and tap is not None and not tap.incompatible
-            if done or is_hidden(name) or name in self._refused:
+            if is_hidden(name) or name in self._refused:
                 continue
             if not self._selection.takes(name, types[0]):
                 continue
-            offers = self.get_publishers_info_by_topic(name)
-            if not offers:
+            tap, count = self._taps.get(name), self.count_publishers(name)
+            if tap is not None:
+                tap.shared = tap.shared or count > 1
+            if not count or (tap is not None and tap.publishers == count):
                 continue
+            offers = self.get_publishers_info_by_topic(name)
             if tap is None or not hears(tap.qos, offers):
                 type_name = types[0] if tap is None else tap.type_name
                 self._subscribe(name, type_name, matching_qos(offers))
+            if name in self._taps:
+                self._taps[name].publishers = count
             self._announce(name)
 
     def _subscribe(self, name: str, type_name: str, qos: QoSProfile | None = None) -> None:
