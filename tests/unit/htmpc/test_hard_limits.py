@@ -82,10 +82,10 @@ def test_limits_by_need_give_the_optimum_of_all_limits():
         hessian = root @ root.T + np.eye(90)
         gradient = 30.0 * rng.normal(size=90)
         none = (np.zeros((0, 90)), np.zeros(0), np.zeros(0))
-        by_need = LimitedQp(CondensedQp(hessian.copy()), gradient, none[0], np.ones(90))
+        by_need = LimitedQp(CondensedQp(hessian.copy()), gradient, none[0])
         by_need.within(hard, u)
         found, word = by_need.solve(none[1], none[2])
-        every = LimitedQp(CondensedQp(hessian.copy()), gradient, none[0], np.ones(90), all_of_them)
+        every = LimitedQp(CondensedQp(hessian.copy()), gradient, none[0], None, all_of_them)
         every.within(hard, u)
         best, again = every.solve(none[1], none[2])
         assert word == again == "solved"

@@ -148,7 +148,7 @@ class Level:
         if qp.word != "solved":
             return none, none, qp.word
         rows = self._rows(iterate)
-        moving = self._moving(iterate.u)
+        moving = self._moving(len(iterate.u))
         limited = LimitedQp(qp, quadratic.gradient, rows.matrix, moving, self.holding)
         if self._program.hard is not None:
             limited.within(self._program.hard, iterate.u)
@@ -178,11 +178,12 @@ class Level:
             none = np.zeros(0)
             return _Rows(np.zeros((0, iterate.u.size)), none, none)
         matrices, lower, upper = [], [], []
-        moving = self._moving(iterate.u)
+        moving = self._moving(len(iterate.u))
         for guard in self._guards:
             error = guard.task.error(iterate.at)
             value = guard.value(error)
-            matrices.append(guard.rows(iterate.at, error) * moving)
+            matrix = guard.rows(iterate.at, error)
+            matrices.append(matrix if moving is None else matrix * moving)
             lower.append(guard.lower - value)
             upper.append(guard.upper - value)
         return _opened(
@@ -195,9 +196,9 @@ class Level:
         """Return the values of all guards, one after the other."""
         return np.concatenate([g.value(g.task.error(iterate.at)) for g in self._guards])
 
-    def _moving(self, u: Matrix) -> Vector:
-        """Return 1 where the level may change an input, else 0, shape (N n,)."""
-        return np.tile(self._task.moving, len(u))
+    def _moving(self, stages: int) -> Vector | None:
+        """Return 1 where the level may change an input, else 0, shape (N n,); None: all."""
+        return None if self._task.moving is None else np.tile(self._task.moving, stages)
 
 
 def _opened(matrix: Matrix, lower: Vector, upper: Vector) -> _Rows:

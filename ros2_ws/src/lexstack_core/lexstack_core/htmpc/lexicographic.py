@@ -84,7 +84,7 @@ class Guard:
     def _tolerance(self) -> Vector:
         """Return delta for each entry of h."""
         if self._kind == "axis":
-            return np.tile(self.task.tolerance, self._horizon.stages)
+            return np.broadcast_to(self.task.tolerance, self.task.weights.shape).reshape(-1)
         costs = self.task.stage_tolerance
         return costs if self._kind == "stage" else np.array([costs.sum()])
 

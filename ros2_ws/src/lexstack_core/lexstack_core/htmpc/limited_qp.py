@@ -53,7 +53,7 @@ class LimitedQp:
         qp: CondensedQp,
         gradient: Vector,
         guards: Matrix,
-        moving: Vector,
+        moving: Vector | None = None,
         first: Holding = NOTHING,
     ) -> None:
         """Prepare the QP.
@@ -62,7 +62,7 @@ class LimitedQp:
             qp: with H factored.
             gradient: shape (N n,).
             guards: their rows, shape (g, N n).
-            moving: 1 for inputs that may change, else 0, shape (N n,).
+            moving: 1 for inputs that may change, else 0, shape (N n,); None: all may.
             first: what probably holds.
         """
         self._qp = qp
@@ -112,6 +112,9 @@ class LimitedQp:
         A guess can lead DAQP astray, and rows that depend on each other but for rounding can look
         like a contradiction: so again without a guess, and then with a wider tolerance.
         """
+        if not len(self._white):
+            direction, _, word = self._qp.solve(self._center, self._white, (lower, upper))
+            return direction, word
         bounds = (
             self._scaled(np.concatenate((lower, self._room[0])), -np.inf),
             self._scaled(np.concatenate((upper, self._room[1])), np.inf),
@@ -145,7 +148,8 @@ class LimitedQp:
             return
         row, joint = places
         self._known[row, joint] = True
-        white, factors = self._qp.whiten(self._hard.rows(places) * self._moving)
+        rows = self._hard.rows(places)
+        white, factors = self._qp.whiten(rows if self._moving is None else rows * self._moving)
         self._white = np.concatenate((self._white, white))
         self._factors = np.concatenate((self._factors, factors))
         self._room = (

@@ -117,7 +117,7 @@ class Task:
         objective: what it was made from.
         weights: Q at the states 1 to N - 1 and P at N, on the diagonal, shape (N, s).
         tolerance: delta of H(13) per row, shape (s,), m and rad.
-        moving: 1 where the level may use a joint, else 0, shape (n,).
+        moving: 1 where the level may use a joint, else 0, shape (n,); None: everywhere 1.
     """
 
     def __init__(self, objective: Objective, config: HtmpcConfig, joints: int) -> None:
@@ -137,9 +137,7 @@ class Task:
         self.weights = _weights(weights, measure, config.horizon)
         self.tolerance: Vector = np.full(measure.rows, weights.tolerance)
         self.tolerance[measure.lengths :] = weights.tolerance_angle
-        base = np.arange(joints) < 3
-        masks = {"all": np.ones(joints), "base": base.astype(float), "arm": (~base).astype(float)}
-        self.moving: Vector = masks[objective.moves]
+        self.moving = _moving(objective.moves, joints)
 
     def error(self, at: StageKinematics) -> Matrix:
         """Return e at the states 1 to N, shape (N, s)."""
@@ -168,6 +166,14 @@ class Task:
         share[:lengths] /= lengths
         share[lengths:] /= max(1, len(share) - lengths)
         return np.asarray(0.5 * self.weights @ share)
+
+
+def _moving(moves: Moves, joints: int) -> Vector | None:
+    """Return 1 for the joints that a level may use, else 0, shape (n,); None for all."""
+    if moves == "all":
+        return None
+    base = np.arange(joints) < 3
+    return (base if moves == "base" else ~base).astype(np.float64)
 
 
 def _weights(config: TaskWeightsConfig, measure: Measure, stages: int) -> Matrix:

@@ -168,10 +168,16 @@ class Htmpc:
         self, start: Start, tasks: list[Task], before: Plan | None, program: Program
     ) -> Matrix:
         """Return the first inputs, shape (N, n): the plan before, shifted; or braking."""
-        braking = self.horizon.braking(start.v, self.robot.limits.acceleration)
-        u = braking.copy() if before is None else before.shifted(start.stamp)
-        resting = ~np.any([task.moving > 0.0 for task in tasks], axis=0)
-        u[:, resting] = braking[:, resting]
+        masks = [task.moving for task in tasks if task.moving is not None]
+        apart = len(masks) == len(tasks)
+        if before is not None and not apart:
+            u = before.shifted(start.stamp)
+        else:
+            braking = self.horizon.braking(start.v, self.robot.limits.acceleration)
+            u = braking if before is None else before.shifted(start.stamp)
+            if apart:
+                resting = np.max(masks, axis=0) == 0.0
+                u[:, resting] = braking[:, resting]
         return u if program.hard is None else program.hard.repaired(u)
 
     def _check(self, start: Start, objectives: tuple[Objective, ...]) -> None:

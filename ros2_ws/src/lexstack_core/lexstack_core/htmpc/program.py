@@ -108,7 +108,7 @@ class Program:
         gradient += horizon.to_velocity.T @ (slope[1])
         gradient += slope[2]
         gradient += self._effort.gradient(v, u, self._previous)
-        if not task.moving.all():
+        if task.moving is not None:
             gradient *= task.moving
             curved *= task.moving[:, None] * task.moving
         hessian = self._hessian(curved, curvature[1], curvature[2])

@@ -48,6 +48,8 @@ class CondensedQp:
         DAQP takes short rows for zero, and a bound on them for a contradiction. The factor is 0 for
         rows that no step can change.
         """
+        if not len(rows):
+            return rows, np.zeros(0)
         solved, _ = lapack.dtrtrs(self._factor, rows.T, trans=1)
         white = solved.T
         lengths = np.sqrt(np.einsum("ij,ij->i", white, white))
