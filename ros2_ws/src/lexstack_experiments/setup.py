@@ -24,5 +24,6 @@ setup(
         "lexstack-sim",
         "numpy>=2",
     ],
+    extras_require={"peers": ["pin-pink>=4", "piqp>=0.6"]},  # measured beside our solver
     zip_safe=False,
 )
