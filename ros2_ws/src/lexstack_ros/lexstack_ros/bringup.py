@@ -5,19 +5,30 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.config.scenario import ScenarioConfig
+from lexstack_core.config.yaml_text import read_text
 from lexstack_ros.readiness import READY
 from lexstack_ros.supervisor import Supervisor
 
 # In the order in which they start and end: the recorder leaves last. Nobody speaks before all are
 # connected, so it misses nothing.
 RECORDER = "recorder"
+HTMPC = "htmpc"  # runs where a scenario has sequences for it
 NODES = {
     "sim_bridge": "lexstack_sim.node",
     "hqp_controller": "lexstack_ros.nodes.hqp_controller",
     "stack_solver": "lexstack_ros.nodes.stack_solver",
     RECORDER: "lexstack_ros.nodes.recorder",
 }
+PLANNERS = {HTMPC: "lexstack_ros.nodes.htmpc"}  # in runs with sequences
+_MODULES = {**PLANNERS, **NODES}
 _READY_TIMEOUT = 60.0  # s of wall time, on a slow machine
+
+
+def nodes_of(scenario: ScenarioConfig) -> tuple[str, ...]:
+    """Return the names of the nodes that a scenario needs."""
+    return (*NODES, *PLANNERS) if scenario.plans else tuple(NODES)
 
 
 def bring_up(
@@ -26,7 +37,7 @@ def bring_up(
     bag: Path,
     peers: Sequence[str],
     *,
-    nodes: Sequence[str] = tuple(NODES),
+    nodes: Sequence[str] | None = None,
     timeout: float = _READY_TIMEOUT,
     recording: Mapping[str, str] | None = None,
 ) -> None:
@@ -37,19 +48,21 @@ def bring_up(
         scenario: file of the resolved scenario; mode and seed stand there.
         bag: folder of the bag to be written.
         peers: names of the other nodes of the run: users, and what other hosts start.
-        nodes: keys of NODES, those to start here.
+        nodes: keys of NODES and PLANNERS, those to start here; None: all that the scenario needs.
         timeout: of wall time until all are connected with each other and with the peers [s].
         recording: more parameters of the recorder, as YAML.
 
     Raises:
         ChildDiedError: one ended; NotReadyError: one was not ready in time.
     """
-    chosen = [name for name in NODES if name in nodes]
+    if nodes is None:
+        nodes = nodes_of(ResolvedScenario.from_yaml(read_text(scenario), str(scenario)).scenario)
+    chosen = [name for name in _MODULES if name in nodes]
     for name in chosen:
         given = {"scenario": str(scenario)}
         if name == RECORDER:
             given |= {"output": str(bag), **(recording or {})}
         given["peers"] = ",".join([*(other for other in chosen if other != name), *peers])
         pairs = [argument for key, value in given.items() for argument in ("-p", f"{key}:={value}")]
-        supervisor.start(name, NODES[name], ["--ros-args", *pairs])
+        supervisor.start(name, _MODULES[name], ["--ros-args", *pairs])
     supervisor.wait_printed(chosen, READY, timeout)

@@ -23,9 +23,11 @@ from lexstack_core.references import pose_from_config
 from lexstack_core.rotation import from_rpy, to_quaternion
 from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
+from lexstack_ros.bringup import HTMPC
 from lexstack_ros.conversions import pose_message
 from lexstack_ros.qos import STREAM
 from lexstack_ros.readiness import is_connected
+from lexstack_ros.sequence_client import SequenceClient
 
 _PEERS = ("sim_bridge", "hqp_controller", "stack_solver")
 PLAYER = "scenario_player"
@@ -56,6 +58,9 @@ class Player(Node):
         }
         self._switch = self.create_client(SwitchStack, "/robot_a/switch_stack")
         self._pause = self.create_client(SetBool, "/sim_bridge/pause")
+        plans = resolved.scenario.plans
+        self._sequences = SequenceClient(self, resolved.scenario) if plans else None
+        self._peers = (*_PEERS, HTMPC) if plans else _PEERS
         self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
         self.create_subscription(TransitionStatus, "/robot_a/transition", self._on_status, STREAM)
 
@@ -97,6 +102,8 @@ class Player(Node):
         for event in due:
             if event.switch:
                 self._send_switch(event)
+            if self._sequences is not None:
+                self._sequences.send(event, self._call)
         return events[len(due) :]
 
     def _send_targets(self, event: EventConfig) -> None:
@@ -169,9 +176,10 @@ class Player(Node):
         """Return whether all listeners and servers are there."""
         return (
             self.state is not None
-            and is_connected(self, _PEERS)
+            and is_connected(self, self._peers)
             and self._switch.service_is_ready()
             and self._pause.service_is_ready()
+            and (self._sequences is None or self._sequences.ready)
         )
 
     def _finished(self) -> bool:

@@ -56,7 +56,7 @@ class Requests:
     ) -> SwitchStack.Response:
         """Answer at once: accepted with an id, or refused with the reason."""
         answer = self.transition.ask(
-            request.stack, request.duration, request.method, request.at_tick
+            request.stack, request.duration, request.method, request.at_tick, request.robots
         )
         self._tell(answer)
         response.accepted = answer.accepted

@@ -79,12 +79,17 @@ class CollisionConfig:
     mu: float  # weight of the barrier
     zeta: float  # m, where its parabola begins
     margin: float  # m, delta_safe
+    influence: float  # m, distances beyond it cost nothing; 0: all do, as in H
     ground: bool  # whether the arm keeps away from the floor too
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a value out of range."""
         positive(where, mu=self.mu, zeta=self.zeta)
-        not_negative(where, margin=self.margin)
+        not_negative(where, margin=self.margin, influence=self.influence)
+        if self.influence and self.influence <= self.margin + self.zeta:
+            raise ConfigurationError(
+                f"{where}: influence: must be beyond margin + zeta, got {self.influence}"
+            )
 
 
 @dataclass(frozen=True, slots=True)

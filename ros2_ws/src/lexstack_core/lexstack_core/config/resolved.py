@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
 import yaml
 
+from lexstack_core.config.htmpc import HtmpcConfig, load_htmpc
 from lexstack_core.config.reader import build, parse_yaml, plain, read_yaml
 from lexstack_core.config.robot import RobotConfig
 from lexstack_core.config.scenario import ScenarioConfig
@@ -24,6 +25,7 @@ class ResolvedScenario:
     scenario: ScenarioConfig
     robots: dict[str, RobotConfig]  # by model name
     stacks: dict[str, StackConfig]  # by stack name
+    htmpc: dict[str, HtmpcConfig] = field(default_factory=dict)  # by name of the parameters
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a robot or stack that is named but not there."""
@@ -72,6 +74,7 @@ def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
             for model in dict.fromkeys(place.model for place in scenario.robots.values())
         },
         _fitting(scenario, load_stacks(folder / "stacks"), str(path)),
+        _parameters(folder / "htmpc", scenario),
     )
     resolved.validate(str(path))
     return resolved
@@ -99,6 +102,14 @@ def _fitting(
                 f"{', '.join(absent)}"
             )
     return fitting
+
+
+def _parameters(folder: Path, scenario: ScenarioConfig) -> dict[str, HtmpcConfig]:
+    """Return the parameters of the HTMPC that a scenario names, if it runs one."""
+    if not scenario.plans:
+        return {}
+    name = scenario.htmpc.parameters
+    return {name: load_htmpc(folder / f"{name}.yaml")}
 
 
 def load_robot(path: Path) -> RobotConfig:

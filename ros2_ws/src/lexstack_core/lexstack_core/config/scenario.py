@@ -8,6 +8,7 @@ from typing import Literal
 from lexstack_core.config.checks import at_most, finite, names, not_negative, positive
 from lexstack_core.config.plant import PlantConfig
 from lexstack_core.config.robot import Vector3
+from lexstack_core.config.sequence import SequenceChangeConfig, SequenceConfig
 from lexstack_core.errors import ConfigurationError
 
 Quaternion = tuple[float, float, float, float]
@@ -122,6 +123,7 @@ class HtmpcRunConfig:
 
     parameters: str = "lexstack"  # a file of config/htmpc
     rate: float = 20.0  # Hz, plans per simulated second; rounded to whole ticks
+    always: bool = False  # whether its node runs also where the scenario has no sequences
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a rate that is not positive."""
@@ -141,6 +143,8 @@ class EventConfig:
     duration: float = 0.0  # s of the transition; 0: from the scenario's transition
     ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # by robot
     base_target: dict[str, Vector3] = field(default_factory=dict)  # by robot: x, y, yaw
+    execute: tuple[str, ...] = ()  # names of sequences that begin
+    changes: tuple[SequenceChangeConfig, ...] = ()  # of sequences that are under way
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for negative times."""
@@ -166,9 +170,15 @@ class ScenarioConfig:
     timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)
     limit_jerk: bool = False  # at every tick, not only in transitions by bridge_jerk
     htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)
+    sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
     solver: str = "daqp"  # a key of lexstack_core.hqp.SOLVERS
     mode: Mode = "lockstep"
     seed: int = 0
+
+    @property
+    def plans(self) -> bool:
+        """Whether the HTMPC runs beside the controllers."""
+        return bool(self.sequences) or self.htmpc.always
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for unknown robots and values out of range."""
@@ -191,7 +201,16 @@ class ScenarioConfig:
             if event.at >= self.duration:
                 raise ConfigurationError(f"{where}: events[{i}].at: after the scenario's end")
         pushed = [(f"plant.pushes[{i}]", [push.robot]) for i, push in enumerate(self.plant.pushes)]
-        for key, by_robot in [*targets, *pushed]:
+        planned = [(f"sequences.{name}", [entry.robot]) for name, entry in self.sequences.items()]
+        for i, event in enumerate(self.events):
+            planned += [(f"events[{i}].changes", [change.robot]) for change in event.changes]
+            for name in event.execute:
+                if name not in self.sequences:
+                    known = ", ".join(self.sequences) or "none"
+                    raise ConfigurationError(
+                        f"{where}: events[{i}].execute: unknown {name!r}; known: {known}"
+                    )
+        for key, by_robot in [*targets, *pushed, *planned]:
             for robot in by_robot:
                 if robot not in self.robots:
                     known = ", ".join(self.robots)

@@ -32,6 +32,33 @@ def slopes(config: BarrierConfig | CollisionConfig, room: Array) -> tuple[Array,
     return first, mu * np.square(inverse)
 
 
+def relaxed_within(config: BarrierConfig | CollisionConfig, room: Array, reach: float) -> float:
+    """Return the sum of all B(z) + mu (ln R + z / R - 1) with z below the reach R, else 0.
+
+    The sum of far distances, each of which pushes a little, would stand against the tasks. This is
+    convex too, and its slope fades to 0 at R. An infinite reach leaves B as it is.
+    """
+    if np.isinf(reach):
+        return relaxed(config, room)
+    near = room[room < reach]
+    rest = near.size * (np.log(reach) - 1.0) + near.sum() / reach
+    return relaxed(config, near) + config.mu * float(rest)
+
+
+def slopes_within(
+    config: BarrierConfig | CollisionConfig, room: Array, reach: float
+) -> tuple[Array, Array]:
+    """Return the derivatives of what ``relaxed_within`` sums, of the shape of ``room``."""
+    first, second = slopes(config, room)
+    if np.isinf(reach):
+        return first, second
+    first += config.mu / reach
+    far = room >= reach
+    first[far] = 0.0
+    second[far] = 0.0
+    return first, second
+
+
 class LimitBarrier:
     """Barriers for the limits of state and input over the horizon, H(7d).
 

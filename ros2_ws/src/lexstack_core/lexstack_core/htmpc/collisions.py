@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from lexstack_core.config.htmpc import CollisionConfig
 from lexstack_core.errors import InputError
-from lexstack_core.htmpc.barrier import relaxed, slopes
+from lexstack_core.htmpc.barrier import relaxed_within, slopes_within
 from lexstack_core.htmpc.stages import StageKinematics, StageModel
 from lexstack_core.linear import Matrix, Vector
 
@@ -52,6 +52,7 @@ class Collisions:
     ) -> None:
         """Take what is in the way; raises InputError for shapes that do not fit."""
         self._config = config
+        self._range = config.influence - config.margin if config.influence else np.inf
         self._around = around if around is not None and len(around.radii) else None
         if self._around is not None:
             _check(self._around, model.stages)
@@ -64,9 +65,11 @@ class Collisions:
         """Return the sum of all barriers."""
         total = 0.0
         if self._around is not None:
-            total += relaxed(self._config, self._room(at)[0])
+            total += relaxed_within(self._config, self._room(at)[0], self._range)
         if self._lifted.size:
-            total += relaxed(self._config, at.centers[:, self._lifted, 2] - self._height)
+            total += relaxed_within(
+                self._config, at.centers[:, self._lifted, 2] - self._height, self._range
+            )
         return total
 
     def distance(self, at: StageKinematics) -> float:
@@ -89,12 +92,12 @@ class Collisions:
         stiffness = np.zeros((stages, count, 3, 3))
         if self._around is not None:
             room, away = self._room(at)
-            first, second = slopes(self._config, room)
+            first, second = slopes_within(self._config, room, self._range)
             pushes += (first[:, :, None] @ away)[:, :, 0]
             stiffness += away.transpose(0, 1, 3, 2) @ (second[..., None] * away)
         if self._lifted.size:
             heights = at.centers[:, self._lifted, 2] - self._height
-            first, second = slopes(self._config, heights)
+            first, second = slopes_within(self._config, heights, self._range)
             pushes[:, self._lifted, 2] += first
             stiffness[:, self._lifted, 2, 2] += second
         jacobian = at.slopes

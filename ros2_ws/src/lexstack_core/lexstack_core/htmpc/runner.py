@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from lexstack_core.config.htmpc import HtmpcConfig
 from lexstack_core.config.sequence import SequenceConfig
 from lexstack_core.errors import InputError
 from lexstack_core.htmpc.collisions import Surroundings
+from lexstack_core.htmpc.objectives import Kind
 from lexstack_core.htmpc.optimiser import Htmpc, Start
 from lexstack_core.htmpc.plan import Plan
 from lexstack_core.htmpc.present import Present
@@ -21,6 +23,25 @@ from lexstack_core.state import RobotState
 
 ARCHITECTURES: dict[str, Architecture] = {"ht": HT_ARCH, "st": ST_ARCH}
 """By the names that goals and files use."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A change of a sequence under way.
+
+    Attributes:
+        kind: what is done.
+        name: of the task that it is about.
+        points: for retarget: where that leads now.
+        task: for insert: the task itself.
+        before: for insert: name of the task that it comes before; empty: at the end.
+    """
+
+    kind: Literal["release", "retarget", "insert", "cancel"]
+    name: str
+    points: tuple[Point, ...] = ()
+    task: SequenceTask | None = None
+    before: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,30 +90,28 @@ class SequenceRunner:
         """Begin a sequence at a state, in place of another one; raises InputError."""
         self.sequence = Sequence.begin(tasks, architecture, self.present(state))
 
-    def change(self, kind: str, task: SequenceTask | str, state: RobotState, before: str) -> None:
-        """Change the sequence under way; raises InputError, and then nothing has changed.
+    def kind_of(self, name: str) -> Kind:
+        """Return the kind of a task of the sequence; raises InputError for an unknown one."""
+        known = () if self.sequence is None else self.sequence.tasks
+        for task in known:
+            if task.name == name:
+                return task.kind
+        names = ", ".join(task.name for task in known) or "none"
+        raise InputError(f"sequence: unknown task {name!r}; known: {names}")
 
-        Args:
-            kind: release, retarget, insert or cancel.
-            task: its name; for retarget and insert the task itself.
-            state: the present one.
-            before: for insert the name of the task that it comes before; empty: at the end.
-        """
+    def change(self, change: Change, state: RobotState) -> None:
+        """Change the sequence at a state; raises InputError, and then nothing has changed."""
         sequence, present = self.sequence, self.present(state)
         if sequence is None:
             raise InputError("sequence: none is under way")
-        if isinstance(task, str):
-            name, points = task, ()
-        else:
-            name, points = task.name, task.points
-        if kind == "release":
-            self.sequence = sequence.release(name)
-        elif kind == "cancel":
-            self.sequence = sequence.cancel(name, present)
-        elif kind == "retarget":
-            self.sequence = sequence.retarget(name, points, present)
-        elif isinstance(task, SequenceTask):
-            self.sequence = sequence.insert(_place(sequence, before), task, present)
+        if change.kind == "release":
+            self.sequence = sequence.release(change.name)
+        elif change.kind == "cancel":
+            self.sequence = sequence.cancel(change.name, present)
+        elif change.kind == "retarget":
+            self.sequence = sequence.retarget(change.name, change.points, present)
+        elif change.task is not None:
+            self.sequence = sequence.insert(_place(sequence, change.before), change.task, present)
 
     def end(self) -> None:
         """Forget sequence and plan."""
@@ -161,14 +180,6 @@ def tasks_of(config: SequenceConfig) -> tuple[SequenceTask, ...]:
         for task in once
     )
     return (*once, *again)
-
-
-def changed_task(sequence: Sequence, name: str, points: tuple[Point, ...]) -> SequenceTask:
-    """Return a task of a sequence with other points; raises InputError for an unknown one."""
-    known = {task.name: task for task in sequence.tasks}
-    if name not in known:
-        raise InputError(f"sequence: unknown task {name!r}; known: {', '.join(known)}")
-    return replace(known[name], points=points)
 
 
 def _place(sequence: Sequence, before: str) -> int:

@@ -56,7 +56,7 @@ class Sequence:
         cls, tasks: tuple[SequenceTask, ...], architecture: Architecture, present: Present
     ) -> Sequence:
         """Return the sequence at its start; raises InputError for no tasks or equal names."""
-        _check_tasks(tasks)
+        check_tasks(tasks)
         return cls(tasks, architecture).replanned(present)
 
     @property
@@ -120,7 +120,7 @@ class Sequence:
                 f"[{self.first}, {len(self.tasks)}]"
             )
         tasks = (*self.tasks[:place], task, *self.tasks[place:])
-        _check_tasks(tasks)
+        check_tasks(tasks)
         return _changed(replace(self, tasks=tasks), place, present)
 
     def cancel(self, name: str, present: Present) -> Sequence:
@@ -171,7 +171,7 @@ def _changed(sequence: Sequence, place: int, present: Present) -> Sequence:
     return replace(sequence, within=within).replanned(present)
 
 
-def _check_tasks(tasks: tuple[SequenceTask, ...]) -> None:
+def check_tasks(tasks: tuple[SequenceTask, ...]) -> None:
     """Raise InputError for no tasks, or two of one name."""
     if not tasks:
         raise InputError("sequence: at least one task is needed")

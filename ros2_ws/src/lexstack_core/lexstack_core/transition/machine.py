@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from lexstack_core.bounds import JointLimits
+from lexstack_core.config.checks import shown
 from lexstack_core.config.scenario import ScenarioConfig
 from lexstack_core.linear import Vector
 from lexstack_core.model import Kinematics, Team
@@ -82,12 +83,34 @@ class Transition:
 
     # ---- what comes in between two ticks
 
-    def ask(self, stack: str, duration: float, method: str, at_tick: int) -> Answer:
-        """Return the answer to a request to switch; see RequestBook.ask."""
-        refusal = self._refusal(stack, at_tick)
+    def ask(
+        self,
+        stack: str,
+        duration: float,
+        method: str,
+        at_tick: int,
+        robots: Collection[str] = (),
+    ) -> Answer:
+        """Return the answer to a request to switch; see RequestBook.ask.
+
+        ``robots`` are the names of those that shall go; empty: all that the stack moves.
+        """
+        some: tuple[int, ...] | None = None
+        if robots and stack in self._stacks:
+            strangers = [name for name in robots if name not in self._moved(stack)]
+            if strangers:
+                known = ", ".join(self._moved(stack))
+                return Answer(
+                    False, f"stack {stack!r} does not move {shown(strangers[0])}, but {known}"
+                )
+            some = tuple(sorted({self._team.index(name) for name in robots}))
+            task = self._stacks[stack].coupling(some)
+            if task:
+                return Answer(False, f"the task {task!r} of {stack!r} couples more robots")
+        refusal = self._refusal(stack, at_tick, some)
         if refusal:
             return Answer(False, refusal)
-        return self._book.ask(stack, duration, method, at_tick, self._tick)
+        return self._book.ask(stack, duration, method, at_tick, self._tick, robots=some)
 
     def set_defaults(self, duration: float, method: str) -> None:
         """Change what an empty duration [s] and method stand for; see RequestBook."""
@@ -322,14 +345,18 @@ class Transition:
                     return request, phase
         return None
 
-    def _refusal(self, stack: str, at_tick: int) -> str:
-        """Return why a stack cannot be gone to at a tick, or ''; 0 is the next one.
+    def _moved(self, stack: str) -> tuple[str, ...]:
+        """Return the names of the robots that a known stack moves."""
+        return tuple(self._team.names[robot] for robot in self._book.robots(stack))
+
+    def _refusal(self, stack: str, at_tick: int, robots: tuple[int, ...] | None = None) -> str:
+        """Return why robots cannot go to a stack at a tick, or ''; 0 is the next one.
 
         What is asked for until then is taken as done.
         """
         if stack not in self._stacks:
             return ""  # the book says what is known
-        part = self._part(self._book.robots(stack))
+        part = self._part(robots or self._book.robots(stack))
         channels: Sequence[Channel] = self._channels
         for request in (*self._pending, *self._book.scheduled):
             if at_tick and request.at_tick > at_tick:

@@ -17,7 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.errors import ConfigurationError, LexstackError
-from lexstack_ros.bringup import NODES, bring_up
+from lexstack_ros.bringup import NODES, PLANNERS, bring_up
 from lexstack_ros.commands.demo import (
     add_run_arguments,
     is_file,
@@ -30,7 +30,7 @@ from lexstack_ros.player import PLAYER, Player
 from lexstack_ros.supervisor import Supervisor
 
 _LOOK = 0.2  # s between two looks whether all still run
-_KNOWN = (*NODES, PLAYER, SERVER)
+_KNOWN = (*NODES, *PLANNERS, PLAYER, SERVER)
 
 
 class _InterruptError(Exception):

@@ -7,6 +7,7 @@ import time
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory
 
 from lexstack_core.build import Parts, build_controller
 from lexstack_core.errors import InputError
@@ -20,6 +21,7 @@ from lexstack_ros.conversions import (
 )
 from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.parameters import scenario_parameter
+from lexstack_ros.plan_conversions import PLAN, to_plan
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import STREAM
 from lexstack_ros.references import TargetTopics
@@ -55,6 +57,7 @@ class HqpControllerNode(Node):
         self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
         self._targets = TargetTopics(self, self._parts.team, self._controller.references)
         self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
+        self.create_subscription(JointTrajectory, PLAN, self._on_plan, STREAM)
         self._requests = Requests(
             self, self._controller.transition, self._resolved.scenario, self._parts.team
         )
@@ -86,6 +89,16 @@ class HqpControllerNode(Node):
         except InputError as error:
             self._states.refuse(error)
             return
+        self._serve(wait=True)
+
+    def _on_plan(self, message: JointTrajectory) -> None:
+        """Take a plan of the HTMPC."""
+        try:
+            plan = to_plan(message, self._parts.team, self._resolved.scenario.rate)
+        except InputError as error:
+            self._states.refuse(error)
+            return
+        self._controller.transition.hear_plan(plan)
         self._serve(wait=True)
 
     def _on_look(self) -> None:

@@ -55,10 +55,13 @@ class StackSolverNode(Node):
     def _on_request(self, message: StackRequest) -> None:
         """Take robot A's wish, and serve it for the present state if that is due."""
         try:
-            self._schedule.hear(to_announcement(message, self._parts.stacks, self._parts.team))
+            wanted = to_announcement(message, self._parts.stacks, self._parts.team)
         except InputError as error:
             self._states.refuse(error)
             return
+        if self._parts.stacks[wanted.stack].planned:
+            return  # the HTMPC's
+        self._schedule.hear(wanted)
         self._serve()
 
     def _serve(self) -> None:

@@ -1,0 +1,131 @@
+"""One goal of the action /htmpc/execute_sequence, from its acceptance to its result."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Any
+
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+
+from lexstack_core.config.checks import shown
+from lexstack_core.errors import InputError
+from lexstack_core.htmpc import SequenceTask
+from lexstack_core.htmpc.runner import ARCHITECTURES
+from lexstack_core.htmpc.sequence import check_tasks
+from lexstack_core.model import Team
+from lexstack_core.state import RobotState
+from lexstack_interfaces.action import ExecuteSequence
+from lexstack_interfaces.msg import SequenceStatus
+from lexstack_ros.plan_conversions import to_tasks
+
+_ROUNDS = 2  # plans until a goal for now begins
+
+
+class Stage(Enum):
+    """How far a job is."""
+
+    ASKED = 1  # robot A has been asked to follow the plan, its answer is awaited
+    WAITING = 2  # for its first tick
+    RUNNING = 3  # the MPC plans; robot A follows
+    LEAVING = 4  # robot A has been asked to go back; plans go on until it does
+
+
+class Job:
+    """A goal under way.
+
+    Attributes:
+        robot: its place in the team.
+        tasks: of the sequence.
+        architecture: ht or st.
+        at_tick: the tick at which robot A begins to follow.
+        begin: the tick of the first plan.
+        refusal: why the goal cannot be, or ''.
+        origin: the stack that robot A goes back to.
+        stage: how far it is.
+        followed: whether robot A has been seen following this job's plan.
+    """
+
+    def __init__(
+        self,
+        handle: ServerGoalHandle,
+        goal: tuple[int, tuple[SequenceTask, ...], str],
+        at_tick: int,
+        every: int,
+        refusal: str = "",
+    ) -> None:
+        """Keep a goal (robot, tasks and architecture), of which a plan comes ``every`` ticks."""
+        self.robot, self.tasks, self.architecture = goal
+        self.at_tick = at_tick
+        self.begin = at_tick - at_tick % every
+        self.refusal = refusal
+        self.origin = ""
+        self.stage = Stage.ASKED
+        self.followed = False
+        self._handle = handle
+        self._future: Future = Future()
+        self._done = 0
+
+    async def result(self) -> ExecuteSequence.Result:
+        """Return the action's result once the job has ended."""
+        return await self._future
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether the client has asked to cancel."""
+        return bool(self._handle.is_cancel_requested)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the client has its result; the robot may still be on its way back."""
+        return bool(self._future.done())
+
+    def tell(self, status: SequenceStatus) -> None:
+        """Send feedback."""
+        self._done = int(status.index)
+        if not self.ended:
+            self._handle.publish_feedback(ExecuteSequence.Feedback(status=status))
+
+    def end(self, why: str = "") -> None:
+        """Send the result: success, or why not; the second call does nothing."""
+        if self.ended:
+            return
+        if not why:
+            self._handle.succeed()
+        elif self.cancelled:
+            self._handle.canceled()
+        else:
+            self._handle.abort()
+        result: Any = ExecuteSequence.Result(success=not why, done=self._done, message=why)
+        self._future.set_result(result)
+
+
+def job_of(handle: ServerGoalHandle, team: Team, state: RobotState | None, every: int) -> Job:
+    """Return the job of a goal; one that cannot be has a refusal.
+
+    Args:
+        handle: of the goal.
+        team: the robots.
+        state: the newest one.
+        every: ticks from plan to plan.
+    """
+    goal = handle.request
+    try:
+        if state is None and not goal.at_tick:
+            raise InputError("at_tick: must be given, as no state of the plant has come yet")
+        if goal.robot not in team.names:
+            known = ", ".join(team.names)
+            raise InputError(f"robot: unknown {shown(goal.robot)}; known: {known}")
+        architecture = goal.architecture or "ht"
+        if architecture not in ARCHITECTURES:
+            known = ", ".join(ARCHITECTURES)
+            raise InputError(f"architecture: unknown {shown(architecture)}; known: {known}")
+        tasks = to_tasks(goal.tasks, "goal")
+        check_tasks(tasks)
+        now = -1 if state is None else state.tick
+        at_tick = int(goal.at_tick) or (now // every + _ROUNDS) * every
+        if at_tick - at_tick % every <= now:
+            raise InputError(f"at_tick: {at_tick} is too early; the present tick is {now}")
+        return Job(handle, (team.names.index(goal.robot), tasks, architecture), at_tick, every)
+    except InputError as error:
+        return Job(handle, (0, (), ""), 0, every, str(error))

@@ -1,0 +1,250 @@
+"""The HTMPC node: executes sequences of tasks; robot A follows its plans like robot B's chi."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory
+
+from lexstack_core.errors import InputError
+from lexstack_core.htmpc.runner import ARCHITECTURES, SequenceRunner
+from lexstack_core.model import Team
+from lexstack_core.state import RobotState
+from lexstack_interfaces.action import ExecuteSequence
+from lexstack_interfaces.msg import Sequence, SequenceStatus
+from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
+from lexstack_ros.following import Following, plan_stack
+from lexstack_ros.jobs import Job, Stage, job_of
+from lexstack_ros.parameters import scenario_parameter
+from lexstack_ros.plan_conversions import (
+    PLAN,
+    joint_names,
+    plan_message,
+    sequence_message,
+    status_message,
+    to_points,
+)
+from lexstack_ros.plant_states import PlantStates
+from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.sequence_changes import SequenceChanges, Wish
+from lexstack_ros.spin import run_node
+
+ACTION = "/htmpc/execute_sequence"
+
+
+class HtmpcNode(Node):
+    """Action, topics and service around the core's SequenceRunner; no mathematics here."""
+
+    def __init__(self) -> None:
+        """Build an optimiser for each robot that sequences name; raises LexstackError."""
+        super().__init__("htmpc")
+        self._resolved = scenario_parameter(self)
+        scenario = self._resolved.scenario
+        self._team = Team.from_scenario(self._resolved)
+        self._every = scenario.htmpc.ticks(scenario.rate)
+        self._lockstep = scenario.mode == "lockstep"
+        self._jobs: dict[int, Job] = {}  # by robot
+        self._by_goal: dict[bytes, Job] = {}
+        self._state: RobotState | None = None
+        self._waits: RobotState | None = None  # a state that is not served yet
+        self._later: list[Wish] = []
+        self._meter = Meter()
+        self._failures = 0
+        self._runners: dict[int, SequenceRunner] = {}
+        robots = {self._team.index(entry.robot) for entry in scenario.sequences.values()}
+        for robot in sorted(robots):
+            self._runner(robot)
+        self._plan_out = self.create_publisher(JointTrajectory, PLAN, STREAM)
+        self._status_out = self.create_publisher(SequenceStatus, "/htmpc/status", STREAM)
+        self._sequence_out = self.create_publisher(Sequence, "/htmpc/sequence", LATCHED)
+        self._following = Following(self, self._team, self._resolved, self._on_answer)
+        self._action = ActionServer(
+            self,
+            ExecuteSequence,
+            ACTION,
+            execute_callback=self._execute,
+            goal_callback=lambda _goal: GoalResponse.ACCEPT,
+            handle_accepted_callback=self._on_goal,
+            cancel_callback=lambda _goal: CancelResponse.ACCEPT,
+        )
+        SequenceChanges(self, self._team, self._change)
+        Diagnostics(self, self._health)
+        self._states = PlantStates(self, self._team, self._on_state, self._restart)
+
+    # ---- goals
+
+    def _on_goal(self, handle: ServerGoalHandle) -> None:
+        """Take a goal; one that cannot be is ended at once, with the reason."""
+        job = job_of(handle, self._team, self._state, self._every)
+        self._by_goal[bytes(handle.goal_id.uuid)] = job
+        handle.execute()
+        if job.refusal:
+            self._states.refuse(InputError(f"{ACTION}: {job.refusal}"))
+            job.end(job.refusal)
+            return
+        before = self._jobs.get(job.robot)
+        if before is not None:
+            before.end("pre-empted by another sequence")
+            job.origin = before.origin
+        self._runner(job.robot)
+        self._jobs[job.robot] = job
+        self._following.begin(job)
+
+    async def _execute(self, handle: ServerGoalHandle) -> ExecuteSequence.Result:
+        """Return a goal's result when it has one."""
+        return await self._by_goal.pop(bytes(handle.goal_id.uuid)).result()
+
+    def _on_answer(self, job: Job, back: bool, refusal: str) -> None:
+        """Go on as robot A has answered."""
+        if refusal:
+            self.get_logger().warning(f"robot A refused: {refusal}", throttle_duration_sec=1.0)
+            job.end(f"robot A refused: {refusal}")
+            if not back and self._jobs.get(job.robot) is job:
+                self._drop(job)
+        elif job.stage is Stage.ASKED:
+            job.stage = Stage.WAITING
+        self._serve()
+
+    def _change(self, wish: Wish) -> str:
+        """Change a sequence under way, now or later; returns what was done, raises InputError."""
+        change, state = wish.change, self._state
+        if wish.at_tick:
+            self._later.append(wish)
+            return f"{change.kind}: {change.name} at tick {wish.at_tick}"
+        running = [robot for robot, job in self._jobs.items() if job.stage is Stage.RUNNING]
+        robot = running[0] if wish.robot is None and len(running) == 1 else wish.robot
+        if robot is None or robot not in running or state is None:
+            raise InputError("no sequence is under way for this robot")
+        runner = self._runners[robot]
+        if change.kind == "retarget":
+            points = to_points(wish.poses, runner.kind_of(change.name), f"task {change.name!r}")
+            change = replace(change, points=points)
+        runner.change(change, state)
+        self._announce(robot)
+        return f"{change.kind}: {change.name}"
+
+    def _change_due(self, tick: int) -> None:
+        """Make the changes whose tick has come."""
+        due = [wish for wish in self._later if wish.at_tick <= tick]
+        self._later = [wish for wish in self._later if wish.at_tick > tick]
+        for wish in due:
+            try:
+                self._change(replace(wish, at_tick=0))
+            except InputError as error:
+                self._states.refuse(error)
+
+    # ---- the tick
+
+    def _on_state(self, state: RobotState) -> None:
+        """Plan from a new state, when a plan is due."""
+        self._state = self._waits = state
+        self._serve()
+
+    def _serve(self) -> None:
+        """Plan for every robot with a sequence, unless robot A's answer decides what comes."""
+        state = self._waits
+        if state is None or (self._lockstep and self._following.pending):
+            return
+        self._waits = None
+        if state.tick % self._every:
+            return
+        self._change_due(state.tick)
+        for job in list(self._jobs.values()):
+            if job.stage is not Stage.ASKED and state.tick >= job.begin:
+                self._plan(job, state)
+
+    def _plan(self, job: Job, state: RobotState) -> None:
+        """Send the plan of one robot."""
+        runner, name = self._runners[job.robot], self._team.names[job.robot]
+        if self._left(job):
+            return
+        if job.stage is Stage.WAITING:
+            runner.begin(job.tasks, ARCHITECTURES[job.architecture], state)
+            job.stage = Stage.RUNNING
+            self._announce(job.robot)
+        progress = runner.step(state)
+        self._plan_out.publish(plan_message(progress.plan, joint_names(self._team, job.robot)))
+        status = status_message(progress, state, name, job.architecture)
+        self._status_out.publish(status)
+        job.tell(status)
+        self._meter.add(progress.plan.solve_time)
+        self._failures += not progress.plan.solved
+        if job.stage is Stage.RUNNING and (job.cancelled or progress.sequence.done):
+            job.end("" if progress.sequence.done else "cancelled")
+            job.stage = Stage.LEAVING
+            self._following.go_back(job, state.tick, self._every)
+
+    def _left(self, job: Job) -> bool:
+        """Return whether robot A does not follow any more, and then forget the job."""
+        stack = self._following.stack(job.robot)
+        if stack == plan_stack(self._team.names[job.robot]):
+            job.followed = True
+            return False
+        if not job.followed:
+            return False
+        job.end(f"robot A went to {stack!r}")
+        self._drop(job)
+        return True
+
+    def _drop(self, job: Job) -> None:
+        """Forget a job."""
+        del self._jobs[job.robot]
+        self._runners[job.robot].end()
+        self._announce(job.robot)
+
+    def _announce(self, robot: int) -> None:
+        """Send a robot's sequence as it is now."""
+        runner, job = self._runners[robot], self._jobs.get(robot)
+        if self._state is not None:
+            architecture = "" if job is None else job.architecture
+            name = self._team.names[robot]
+            message = sequence_message(runner.sequence, self._state, name, architecture)
+            self._sequence_out.publish(message)
+
+    def _runner(self, robot: int) -> SequenceRunner:
+        """Return a robot's optimiser, made when first needed."""
+        if robot not in self._runners:
+            config = self._resolved.htmpc[self._resolved.scenario.htmpc.parameters]
+            self._runners[robot] = SequenceRunner(self._team, robot, config)
+        return self._runners[robot]
+
+    # ---- the rest
+
+    def _restart(self) -> None:
+        """Begin anew after a reset of the plant."""
+        for job in list(self._jobs.values()):
+            job.end("the plant was reset")
+            self._drop(job)
+        self._state = self._waits = None
+
+    def close(self) -> None:
+        """Tell the clients before the node ends."""
+        for job in self._jobs.values():
+            job.end("the node ends")
+
+    def _health(self) -> Health:
+        """Return how the node is."""
+        complaint, ages = self._states.delays.report()
+        return Health(
+            first(complaint, f"{self._failures} solves failed" if self._failures else ""),
+            {
+                **self._meter.report(),
+                **ages,
+                "sequences": str(len(self._jobs)),
+                "failures": str(self._failures),
+                "refused messages": str(self._states.refused),
+            },
+        )
+
+
+def main() -> int:
+    """Run the HTMPC; returns the exit code."""
+    return run_node(HtmpcNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
