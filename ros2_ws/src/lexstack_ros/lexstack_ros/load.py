@@ -14,6 +14,7 @@ import struct
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import rclpy
 from mcap.writer import Writer
@@ -25,11 +26,12 @@ from rclpy.serialization import serialize_message
 from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 
-_DEPTH = 2000
+_DEPTH = 10_000  # a second of the load
 _HEAD = 8  # bytes: CDR's encapsulation and the text's length
 _PATIENCE = 20.0  # s of wall time for a listener
 _DIFFERENT = 997  # contents, more than a chunk holds
 _LETTERS = bytes(33 + value % 64 for value in range(256))
+_ACK = 10.0  # s for the last acknowledgement
 _TICK = 0.002  # s between two batches of messages
 
 
@@ -38,11 +40,11 @@ def topic(number: int) -> str:
     return f"/load_{number}"
 
 
-def publish(rate: float, size: int, seconds: float, topics: int) -> dict[str, float]:
+def publish(rate: float, size: int, seconds: float, topics: int) -> dict[str, Any]:
     """Publish messages of ``size`` bytes, evenly in time and over the topics, once all are heard.
 
     Returns:
-        How many were sent, and in what time [s].
+        How many were sent, in what time [s], and whether all were acknowledged in the end.
     """
     node = rclpy.create_node("load")
     qos = QoSProfile(depth=_DEPTH)
@@ -63,10 +65,9 @@ def publish(rate: float, size: int, seconds: float, topics: int) -> dict[str, fl
         sent = due
         time.sleep(_TICK)
     spent = time.monotonic() - begun
-    for publisher in publishers:
-        publisher.wait_for_all_acked(Duration(seconds=5.0))
+    acked = [each.wait_for_all_acked(Duration(seconds=_ACK)) for each in publishers]
     node.destroy_node()
-    return {"sent": total, "seconds": spent}
+    return {"sent": total, "seconds": spent, "acked": all(acked)}
 
 
 def _content(size: int, seed: int) -> bytes:
