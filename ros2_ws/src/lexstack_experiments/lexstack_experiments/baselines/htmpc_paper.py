@@ -35,6 +35,10 @@ licence CasADi cannot use; then what CasADi ships. OSQP gets Gurobi's tolerance;
 definite Hessian, ipqp and highs fail on some, qpoases takes seconds."""
 
 
+LICENSED = 200
+"""Unknowns of a QP that Gurobi's restricted licence allows."""
+
+
 class PaperHtmpc:
     """The paper's way, for one robot with given kinds of tasks.
 
@@ -207,10 +211,7 @@ def _gurobi(
         matrix = rows.sparse() @ condensed
         model.addConstr(matrix @ u >= bounds[0][-rows.size1() :])
         model.addConstr(matrix @ u <= bounds[1][-rows.size1() :])
-    try:
-        model.optimize()
-    except gurobipy.GurobiError:  # too large for its licence
-        return None
+    model.optimize()
     return condensed @ u.X if model.Status == gurobipy.GRB.OPTIMAL else None
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 import dataclasses
 import gc
 from dataclasses import dataclass
+from importlib.util import find_spec
 from time import thread_time
 
 import casadi as ca
@@ -27,7 +28,7 @@ from lexstack_core.htmpc import Htmpc, Plan, Start, Surroundings, hold, steps
 from lexstack_core.linear import Vector
 from lexstack_core.model import RobotModel
 from lexstack_experiments.baselines.htloop import Track, objectives_of
-from lexstack_experiments.baselines.htmpc_paper import SOLVERS, PaperHtmpc
+from lexstack_experiments.baselines.htmpc_paper import LICENSED, SOLVERS, PaperHtmpc
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
 
@@ -40,6 +41,7 @@ SPHERES, OBSTACLES = 10, 5
 _TURN = 50  # solves of one row before it is the next one's turn
 _PAPER = 20  # solves in the paper's way, per row
 _MS = 1e3
+_TWICE = Goal("<=", 2.5)
 _HALF = 8.0  # s, half a period of the square wave
 _RADIUS = 0.2  # m, of the obstacles
 
@@ -106,7 +108,8 @@ class Loop:
         self._plan: Plan | None = None
         self._every = max(1, options.cases // _PAPER)
         self._paper: PaperHtmpc | None = None
-        if row.parameters == "authors":
+        fits = paper != "gurobi" or row.horizon * robot.n <= LICENSED
+        if row.parameters == "authors" and fits:
             kinds = ("ee_position", "base_position")
             radii = (_RADIUS,) * OBSTACLES if row.spheres else ()
             self._paper = PaperHtmpc(robot, config, kinds, paper, spheres=chosen, radii=radii)
@@ -157,7 +160,7 @@ class Loop:
             self.p50,
             self.p99,
             _MS * max(self.wall),
-            _MS * float(np.median(self.cpu)),
+            self.cpu_p50,
             _MS * float(np.percentile(self.cpu, 99)),
             self.failed,
             paper,
@@ -168,6 +171,11 @@ class Loop:
     def p50(self) -> float:
         """Median of our solves [ms]."""
         return _MS * float(np.median(self.wall))
+
+    @property
+    def cpu_p50(self) -> float:
+        """Median of the thread's time of our solves [ms]."""
+        return _MS * float(np.median(self.cpu))
 
     @property
     def p99(self) -> float:
@@ -227,20 +235,9 @@ def run(options: Options) -> Results:
 def paper_solver() -> str:
     """Return the first QP solver of the paper's way that works here: Gurobi if it is there."""
     for name in SOLVERS:
-        if name == "gurobi" and not _gurobi():
-            continue
-        if ca.has_conic(name):
+        if find_spec("gurobipy") if name == "gurobi" else ca.has_conic(name):
             return name
     raise ModelError(f"CasADi has none of the QP solvers {', '.join(SOLVERS)}")
-
-
-def _gurobi() -> bool:
-    """Return whether Gurobi is there, and CasADi finds it."""
-    try:
-        import gurobipy  # noqa: F401, PLC0415  (optional: not in the lock)
-    except ImportError:
-        return False
-    return bool(ca.has_conic("gurobi"))
 
 
 def _figures(loops: dict[Row, Loop], paper: str) -> list[Figure]:
@@ -259,7 +256,7 @@ def _figures(loops: dict[Row, Loop], paper: str) -> list[Figure]:
         if row.horizon == 20 and not row.spheres:
             short = loops[dataclasses.replace(row, horizon=10)]
             figures.append(
-                Figure(f"{row.text}: over N = 10", loop.p50 / short.p50, "", Goal("<=", 2.5))
+                Figure(f"{row.text}: cpu over N = 10", loop.cpu_p50 / short.cpu_p50, "", _TWICE)
             )
     failed = sum(loop.failed for loop in loops.values())
     return [*figures, Figure("Solves with a failed level", float(failed), "", Goal("==", 0.0))]
