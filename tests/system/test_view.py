@@ -110,8 +110,11 @@ def test_the_page_is_there(visitor):
 
 
 def test_news_tell_where_the_run_stands(visitor):
-    news = visitor.news()
-    visitor.until(lambda: visitor.states[-1].tick > news["tick"])
+    heard = []
+    Thread(target=lambda: heard.append(visitor.news())).start()
+    visitor.until(lambda: heard)  # the node here goes on listening meanwhile
+    news = heard[0]
+    visitor.until(lambda: visitor.states and visitor.states[-1].tick > news["tick"])
     state = next(s for s in visitor.states if s.tick == news["tick"])
     assert news["time"] == pytest.approx(news["tick"] / 100.0)
     assert np.allclose(news["q"], state.q, atol=1e-5)

@@ -58,8 +58,9 @@ class ViewNode(Node):
         of_a, of_b = (partial(self._hear_chi, name) for name in (COMMANDER, SOURCE))
         self.create_subscription(Chi, "/robot_a/chi", of_a, newest, raw=True)
         self.create_subscription(Chi, "/robot_b/chi", of_b, newest, raw=True)
-        keep = self._statuses.append
-        self.create_subscription(TransitionStatus, "/robot_a/transition", keep, many, raw=True)
+        self.create_subscription(
+            TransitionStatus, "/robot_a/transition", self._hear_status, many, raw=True
+        )
         self._actions = Actions(self, team, lambda: self._targets.schedule.at(self._shown_at))
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_PERIOD, self._look, clock=wall)
@@ -75,6 +76,10 @@ class ViewNode(Node):
     def _hear(self, data: bytes) -> None:
         """Keep the newest state of the plant."""
         self._state = data
+
+    def _hear_status(self, data: bytes) -> None:
+        """Keep the newest statuses of transitions."""
+        self._statuses.append(data)
 
     def _hear_chi(self, controller: str, data: bytes) -> None:
         """Keep the newest solution of a controller."""
