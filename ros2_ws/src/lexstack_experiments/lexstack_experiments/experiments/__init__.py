@@ -3,9 +3,12 @@
 from lexstack_experiments.experiment import Experiment
 from lexstack_experiments.experiments import (
     computation,
+    htmpc_tuning,
+    lexicographic_constraints,
     obstacle,
     realism,
     robots,
+    square_wave,
     sudden_limits,
     transition_methods,
     transition_sequence,
@@ -19,6 +22,9 @@ EXPERIMENTS: dict[str, Experiment] = {
     "robots": robots.EXPERIMENT,
     "obstacle": obstacle.EXPERIMENT,
     "realism": realism.EXPERIMENT,
+    "lexicographic-constraints": lexicographic_constraints.EXPERIMENT,
+    "square-wave": square_wave.EXPERIMENT,
+    "tune-htmpc": htmpc_tuning.EXPERIMENT,
 }
 
 __all__ = ["EXPERIMENTS"]
