@@ -20,10 +20,12 @@ BASES = ("ros2_ws/src/*", "ros2_ws/src/*/lexstack_*", "sim_bridge")
 RUN_FILES = {
     "bag/",
     "bag_0.mcap",
+    "bag_1.mcap",
     "logs/",
     "comparison.html",
     "metadata.yaml",
     "metrics.json",
+    "replay.json",
     "report.html",
     "runs/",
     "runs/transition-sequence-TIME/",

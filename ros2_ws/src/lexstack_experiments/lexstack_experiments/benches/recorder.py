@@ -94,7 +94,7 @@ def run(options: Options) -> Results:
         (
             "Publisher and recorder share the machine's cores.",
             "zstd_small compresses more slowly than such a load comes: losses must be counted.",
-            "What a publisher had not delivered when it left, nobody can count: not held against us.",
+            "What a publisher had not delivered when it left cannot be counted: left out there.",
         ),
     )
 
