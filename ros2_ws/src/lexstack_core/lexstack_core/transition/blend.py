@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +23,8 @@ from lexstack_core.transition.status import Source
 from lexstack_core.transition.time_optimal import Progress, advanced
 
 _START = Progress()
+_LITTLE = (0.02, 0.002)  # of the acceleration and the jerk limits
+_SHORTEST = 0.1  # s
 _FELT = 1e-3  # of a joint's acceleration limit: no difference of accelerations below it is felt
 
 
@@ -106,15 +109,29 @@ class Blend:
         step = past.start - moment.kinematics.state.command
         return cls(way, source[0], moment.tick, bridge, source[1], step, past.carry)
 
-    def taken_over(self, own: Vector, tick: int) -> Blend:
+    def taken_over(self, own: Vector, tick: int, means: Means) -> Blend:
         """Return the blend from B's chi of this tick on to A's own optimum of it, shape (n,).
 
         Where B's chi is late or frozen, adopting the stack at once would make the command jump by
-        their difference.
+        their difference. It fades as slowly as is needed to be hardly felt, and at most in the
+        time of the blend before: a chi that is one tick old takes the shortest time.
         """
-        bridge = Bridge(self.source_chi - own, None)
+        gap = self.source_chi - own
+        request = replace(self.request, duration=self._unfelt(gap, means))
+        way = Way(request, self.way.part, self.way.origin, self.way.target, self.way.whole)
         step = np.zeros_like(own) if self.drift is None else self.drift
-        return Blend(self.way, Source.LOCAL, tick, bridge, own, step, takes_over=True)
+        return Blend(way, Source.LOCAL, tick, Bridge(gap, None), own, step, takes_over=True)
+
+    def _unfelt(self, gap: Vector, means: Means) -> float:
+        """Return in which time [s] a gap (n,) fades with ``_LITTLE`` acceleration and jerk.
+
+        The quintic's first and second derivative are at most 1.875 / T and 5.774 / T^2.
+        """
+        mine, limits = self.way.part.columns, means.limits
+        size = np.abs(gap[mine])
+        by_rate = 1.875 * float((size / limits.acceleration[mine]).max()) / _LITTLE[0]
+        by_jerk = math.sqrt(5.774 * float((size / limits.jerk[mine]).max()) / _LITTLE[1])
+        return min(self.request.duration, max(_SHORTEST, by_rate, by_jerk))
 
     def of(self, part: Part) -> Blend:
         """Return the blend of some of its robots, which goes on as it is."""

@@ -196,4 +196,4 @@ def _at_end(blend: Blend, own: Vector, tick: int, means: Means) -> tuple[Blend, 
         f"robot B's chi at tick {tick} is {apart.max():.2g} off robot A's own: "
         "robot A blends on to its own"
     )
-    return blend.taken_over(own, tick), why
+    return blend.taken_over(own, tick, means), why
