@@ -106,6 +106,8 @@ def test_distances_are_in_the_oracle_too():
     best = oracle.solve(state, objectives, np.zeros((10, 9)), 1.0, around)[0]
     plan = solver.solve(start, objectives[:1], None, around)
     program = solver.program(start, None, around)
-    ours = program.cost(program.iterate(plan.u), Task(objectives[0], own, 9))
+    task = Task(objectives[0], own, 9)
     assert best.converged
-    assert ours == pytest.approx(best.total, rel=1e-5)
+    assert program.cost(program.iterate(best.u), task) == pytest.approx(best.total, rel=1e-8)
+    # The way around an obstacle has two sides: IPOPT may end on the worse one.
+    assert program.cost(program.iterate(plan.u), task) <= best.total * (1 + 1e-5)

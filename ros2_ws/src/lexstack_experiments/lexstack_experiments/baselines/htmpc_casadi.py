@@ -84,7 +84,7 @@ def program(
     costs = tuple(_tracking(config, kind, error) for kind, error in zip(kinds, errors, strict=True))
     smooth = _effort(config, v, u, start[2 * n :]) + _limits(robot, config, q, v, u)
     rooms = _rooms(robot, config.collision, places[3], spheres, (obstacles, radii))
-    upkeep = smooth + barrier(config.collision, rooms) if rooms.numel() else smooth
+    upkeep = smooth + far_barrier(config.collision, rooms) if rooms.numel() else smooth
     gaps = _gaps(x, u, start[: 2 * n], config.step)
     return Symbols(x, u, start, references, obstacles, gaps, errors, costs, upkeep, rooms, smooth)
 
@@ -172,6 +172,19 @@ def barrier(config: BarrierConfig | CollisionConfig, room: ca.MX) -> ca.MX:
     return mu * ca.sum1(ca.sum2(ca.if_else(room > zeta, far, near)))
 
 
-def curvature(config: BarrierConfig | CollisionConfig, room: ca.MX) -> ca.MX:
-    """Return the second derivative of the barrier of every entry."""
-    return config.mu / ca.fmax(room, config.zeta) ** 2
+def far_barrier(config: CollisionConfig, room: ca.MX) -> ca.MX:
+    """Return the barriers of distances, which end where ``influence`` does, if it is set."""
+    if not config.influence:
+        return barrier(config, room)
+    reach = config.influence - config.margin
+    clipped = ca.fmin(room, reach)
+    rest = np.log(reach) - 1.0 + clipped / reach
+    return barrier(config, clipped) + config.mu * ca.sum1(ca.sum2(rest))
+
+
+def curvature(config: CollisionConfig, room: ca.MX) -> ca.MX:
+    """Return the second derivative of the barrier of every distance."""
+    second = config.mu / ca.fmax(room, config.zeta) ** 2
+    if not config.influence:
+        return second
+    return second * (room < config.influence - config.margin)
