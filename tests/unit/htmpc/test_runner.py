@@ -1,0 +1,154 @@
+"""A sequence on one robot, closed over an ideal plant: it gets done, changes, and refuses."""
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+import pytest
+
+from lexstack_core.config.htmpc import load_htmpc
+from lexstack_core.config.sequence import SequenceConfig, SequenceTaskConfig
+from lexstack_core.errors import InputError
+from lexstack_core.htmpc import SequenceTask
+from lexstack_core.htmpc.runner import ARCHITECTURES, Change, SequenceRunner, tasks_of
+from lexstack_core.model import Team
+from lexstack_core.state import RobotState
+from support.scenario import CONFIG, changed, resolved
+
+DT, EVERY = 0.01, 5
+GIVE = SequenceTask("give", "ee_position", ((1.1, 0.2, 1.1),), dwell=0.1)
+DRIVE = SequenceTask("drive", "base_position", ((0.8, -0.3),), speed=0.5, tolerance=0.05)
+
+
+@cache
+def far_team():
+    robots = resolved().scenario.robots
+    away = {
+        n: dataclasses.replace(p, base=(0.0, 4.0 * i, 0.0))
+        for i, (n, p) in enumerate(robots.items())
+    }
+    return Team.from_scenario(changed(robots=away)), changed(robots=away)
+
+
+@cache
+def optimised():
+    return SequenceRunner(far_team()[0], 0, load_htmpc(CONFIG / "htmpc/lexstack.yaml"))
+
+
+@pytest.fixture
+def runner():
+    made = optimised()
+    yield made
+    made.end()
+
+
+def start(runner, tasks=(GIVE, DRIVE), architecture="ht"):
+    team, scenario = far_team()
+    q = team.home(scenario)
+    state = RobotState(0, 0.0, q, np.zeros(team.n), q, np.zeros(team.n))
+    runner.begin(tasks, ARCHITECTURES[architecture], state)
+    return state
+
+
+def go_on(runner, state, seconds, event=None):
+    """Integrate the plan from a state; returns the last state and all progress."""
+    progress, found = None, []
+    for _ in range(round(seconds / DT)):
+        if state.tick % EVERY == 0:
+            if event is not None:
+                event(state)
+            progress = runner.step(state)
+            found.append(progress)
+            if progress.sequence.done:
+                break
+        v = state.command.copy()
+        v[:10] = progress.plan.sample(state.stamp + DT)[1]
+        q = state.q + DT * v
+        state = RobotState(state.tick + 1, state.stamp + DT, q, v, q, v)
+    return state, found
+
+
+@pytest.mark.parametrize(
+    ("architecture", "tasks"),
+    # With arm and base apart the base must be there before the arm can reach.
+    [("ht", (GIVE, DRIVE)), ("st", (dataclasses.replace(DRIVE, points=((0.6, 0.1),)), GIVE))],
+)
+def test_all_tasks_get_done_in_their_order(runner, architecture, tasks):
+    _, found = go_on(runner, start(runner, tasks, architecture), 8.0)
+    assert found[-1].sequence.done
+    firsts = [progress.sequence.first for progress in found]
+    assert firsts == sorted(firsts)
+    assert all(progress.plan.solved for progress in found)
+    limits = far_team()[0].robots[0].limits
+    for progress in found:
+        assert (np.abs(progress.plan.u) <= limits.acceleration * (1.0 + 1e-6)).all()
+        assert (np.abs(progress.plan.v) <= limits.velocity * (1.0 + 1e-6)).all()
+
+
+def test_a_held_task_waits_for_its_release(runner):
+    held = dataclasses.replace(GIVE, held=True)
+
+    def release(state):
+        if state.tick == 300:
+            runner.change(Change("release", "give"), state)
+
+    _, found = go_on(runner, start(runner, (held, DRIVE)), 8.0, release)
+    last_held = max(p.plan.stamp for p in found if p.sequence.first == 0)
+    assert 2.9 <= last_held <= 3.2
+    assert found[-1].sequence.done
+
+
+def test_a_target_that_moves_is_reached_where_it_is_now(runner):
+    goal = (1.0, 0.5, 0.9)
+
+    def move(state):
+        if state.tick == 50:
+            runner.change(Change("retarget", "give", (goal,)), state)
+
+    state, found = go_on(runner, start(runner, (GIVE,)), 8.0, move)
+    assert found[-1].sequence.done
+    tool = far_team()[0].robots[0].tool(state.q[:10])[0].position
+    assert np.linalg.norm(tool - goal) < 0.02
+
+
+def test_tasks_are_inserted_and_cancelled(runner):
+    state = start(runner)
+    more = SequenceTask("more", "base_position", ((0.4, 0.0),), tolerance=0.05)
+    runner.change(Change("insert", "more", task=more, before="drive"), state)
+    assert [task.name for task in runner.sequence.tasks] == ["give", "more", "drive"]
+    runner.change(Change("cancel", "give"), state)
+    assert [task.name for task in runner.sequence.tasks] == ["more", "drive"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (Change("release", "x"), "unknown task 'x'; known: give, drive"),
+        (Change("retarget", "x", ((0.0, 0.0, 0.0),)), "unknown task 'x'"),
+        (Change("insert", "give", task=GIVE), "two tasks have the name 'give'"),
+        (Change("insert", "y", task=dataclasses.replace(GIVE, name="y"), before="x"), "unknown"),
+        (Change("retarget", "give", ((np.nan, 0.0, 0.0),)), "finite"),
+    ],
+)
+def test_a_wrong_change_is_refused_and_changes_nothing(runner, change, message):
+    state = start(runner)
+    before = runner.sequence
+    with pytest.raises(InputError, match=message):
+        runner.change(change, state)
+    assert runner.sequence is before
+
+
+def test_without_a_sequence_there_is_nothing_to_plan_or_change(runner):
+    state = start(runner)
+    runner.end()
+    with pytest.raises(InputError, match="none is under way"):
+        runner.step(state)
+    with pytest.raises(InputError, match="none is under way"):
+        runner.change(Change("release", "give"), state)
+
+
+def test_rounds_repeat_all_tasks_under_new_names():
+    task = SequenceTaskConfig("give", "ee_position", ((1.0, 0.0, 1.0),))
+    made = tasks_of(SequenceConfig("robot_a", (task,), rounds=3))
+    assert [each.name for each in made] == ["give", "give#2", "give#3"]
+    assert {each.points for each in made} == {((1.0, 0.0, 1.0),)}
