@@ -61,13 +61,18 @@ def python_version(name: str) -> Version:
 
 def split_lock(lock: str) -> dict[str, str]:
     """Return the lock file's entries, each with its hashes, by package."""
+    return dict(lock_entries(lock))
+
+
+def lock_entries(lock: str) -> list[tuple[str, str]]:
+    """Return package and entry of each pin; a package may have one for each Python."""
     entries = re.split(r"^(?=[A-Za-z0-9])", lock, flags=re.MULTILINE)
-    return {entry.split("==")[0]: entry for entry in entries if "==" in entry}
+    return [(entry.split("==")[0], entry) for entry in entries if "==" in entry]
 
 
 def select_packages(lock: str, ros: Ros) -> str:
     """Return the lock file's text without what a native ROS brings itself."""
-    entries = split_lock(lock).items()
+    entries = lock_entries(lock)
     native = ros.prefix is not None
     return "".join(text for name, text in entries if not (native and name.startswith("ros-")))
 

@@ -67,7 +67,7 @@ def guided_run(part: str, runs: int, seed: int) -> None:
     corpus = Path(tempfile.mkdtemp(prefix="lexstack-fuzz-"))
     for number, data in enumerate(module.seeds()):
         (corpus / str(number)).write_bytes(data)
-    options = [f"-atheris_runs={runs}", f"-seed={seed or 1}", "-max_len=20000", "-timeout=20"]
+    options = [f"-atheris_runs={runs}", f"-seed={seed or 1}", "-max_len=20000", "-timeout=300"]
     # libFuzzer prints much; its last lines say how many inputs were tried.
     options += ["-print_final_stats=1", "-verbosity=0"]
     atheris.Setup([sys.argv[0], *options, str(corpus)], lambda data: module.one(data) and None)

@@ -89,9 +89,7 @@ TARGETS: dict[Any, Callable[[Any], object]] = {
 
 def seeds() -> list[bytes]:
     """Return a good message of every kind, with the kind's number in front."""
-    return [
-        bytes([number]) + serialize_message(good(kind)) for number, kind in enumerate(TARGETS)
-    ]
+    return [bytes([number]) + serialize_message(good(kind)) for number, kind in enumerate(TARGETS)]
 
 
 def good(kind: Any) -> Any:  # noqa: PLR0911 - one per kind

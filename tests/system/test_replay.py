@@ -12,6 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.highlevel import AnyReader
 from std_srvs.srv import Trigger
 
 from lexstack_bag.commands import replay as command
@@ -218,6 +221,17 @@ def test_a_bag_alone_is_analysed_and_replayed(recorded, tmp_path):
     assert {"commit", "lexstack", "numpy", "daqp", "pin", "mujoco", "mode", "seed"} <= set(facts)
 
 
+def test_other_tools_read_every_message_without_a_workspace(recorded, monkeypatch):
+    monkeypatch.delenv("AMENT_PREFIX_PATH")
+    total = sum(read_run(recorded).messages.values())
+    with AnyReader([recorded / "bag"]) as reader:
+        read = [reader.deserialize(data, c.msgtype) for c, _, data in reader.messages()]
+    assert len(read) == total
+    with (recorded / "bag" / "bag_0.mcap").open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        assert sum(1 for _ in reader.iter_decoded_messages()) == total
+
+
 # ---- to live nodes
 
 
@@ -250,7 +264,9 @@ def test_one_live_node_among_recorded_ones_gives_the_recorded_chi(
     assert ros_command.main([str(recorded), "--publish", "--scenario", str(path)]) == 0
     with own_domain() as domain, live(module, path, domain):
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-        code = ros_command.main([str(recorded), "--publish", node, "--rate", "0", "--patience", "90"])
+        code = ros_command.main(
+            [str(recorded), "--publish", node, "--rate", "0", "--patience", "90"]
+        )
     said = capfd.readouterr().out
     assert code == 0, said
     assert f"{node}: identical over all" in said

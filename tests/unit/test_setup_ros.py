@@ -83,3 +83,11 @@ def test_cmake_files_get_this_machines_include_paths():
     expected = r'INTERFACE_INCLUDE_DIRECTORIES "/py/include;/np\1/include;${_DIR}/include"'
     assert patched == expected
     assert patch_cmake(patched, "/py/include", r"/np\1/include") == expected
+
+
+def test_a_package_with_a_pin_for_each_python_keeps_them_all():
+    lock = (
+        "contourpy==1.3.3 ; python_full_version < '3.12' \\\n    --hash=sha256:aa\n"
+        "contourpy==1.4.0 ; python_full_version >= '3.12' \\\n    --hash=sha256:bb\n"
+    )
+    assert select_packages(lock, Ros()) == lock

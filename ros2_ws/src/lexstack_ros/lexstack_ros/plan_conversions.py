@@ -184,12 +184,29 @@ def status_message(
 
 
 def sequence_message(
-    sequence: core.Sequence | None, state: RobotState, robot: str, architecture: str
+    sequence: core.Sequence | None,
+    state: RobotState,
+    robot: tuple[str, str],
+    event: str,
+    changed: str = "",
 ) -> Sequence:
-    """Return a sequence as it begins or changes; None: it is over."""
-    message = Sequence(tick=state.tick, robot=robot, architecture=architecture)
+    """Return a sequence as it begins or changes.
+
+    Args:
+        sequence: as it is now; None: it is over.
+        state: at which that happened.
+        robot: its name, and its architecture.
+        event: what happened, see the message.
+        changed: name of the task that a change is about.
+    """
+    name, architecture = robot
+    message = Sequence(
+        tick=state.tick, robot=name, architecture=architecture, event=event, changed=changed
+    )
     if sequence is not None:
         message.tasks = [task_message(task) for task in sequence.tasks]
+        points = (point for task in sequence.tasks for point in task.points)
+        message.coordinates = [float(value) for point in points for value in point]
         message.index = sequence.first
         message.released = sorted(sequence.released)
     message.header.stamp = to_time(state.stamp)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
 import signal
 import sys
-import time
 from collections.abc import Callable
 from types import FrameType
 
@@ -20,9 +18,7 @@ from lexstack_core.errors import ConfigurationError, LexstackError
 from lexstack_ros.supervisor import end_with_supervisor
 
 BAD_ARGUMENT = 2
-_WAIT = 0.1  # s, after which the loop looks whether it is to end
-_SWEEP = 0.1  # s of wall time between two looks for what was left
-_MOST = 1000  # messages that one look takes from one topic
+_WAIT = 0.2  # s, after which the loop looks whether it is to end
 
 
 def run_node(factory: Callable[[], Node]) -> int:
@@ -48,11 +44,9 @@ def run_node(factory: Callable[[], Node]) -> int:
     try:
         node = factory()
         executor.add_node(node)
-        swept = time.monotonic()
         # Never executor.spin(): in this version it fires nothing and ignores signals.
         while rclpy.ok() and not stop:
             executor.spin_once(timeout_sec=_WAIT)
-            swept = sweep(node, swept)
             failure = getattr(node, "failure", None)
             if failure is not None:
                 raise failure
@@ -69,33 +63,6 @@ def run_node(factory: Callable[[], Node]) -> int:
             node.destroy_node()
         rclpy.try_shutdown()
     return 0
-
-
-def sweep(node: Node, last: float) -> float:
-    """Take what the executor left in the middleware, if it is time to; return when that was.
-
-    Where bytes that are no message come together with good messages, this version's executor gives
-    up after the bytes, and the good ones wait for the next event: in lockstep, for a timeout.
-
-    Args:
-        node: whose subscriptions are looked at.
-        last: when they were looked at last [s, monotonic].
-    """
-    now = time.monotonic()
-    if now - last < _SWEEP:
-        return last
-    for subscription in node.subscriptions:
-        with subscription.handle:
-            for _ in range(_MOST):
-                try:
-                    item = subscription.handle.take_message(subscription.msg_type, subscription.raw)
-                except RuntimeError:
-                    continue  # the bytes that are no message
-                if item is None:
-                    break
-                informed = len(inspect.signature(subscription.callback).parameters) == 2
-                subscription.callback(*(item if informed else item[:1]))
-    return now
 
 
 def begin_ros(arguments: list[str]) -> None:

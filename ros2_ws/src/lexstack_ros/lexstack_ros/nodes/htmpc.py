@@ -124,7 +124,7 @@ class HtmpcNode(Node):
             points = to_points(wish.poses, runner.kind_of(change.name), f"task {change.name!r}")
             change = replace(change, points=points)
         runner.change(change, state)
-        self._announce(robot)
+        self._announce(robot, change.kind, change.name)
         return f"{change.kind}: {change.name}"
 
     def _change_due(self, tick: int) -> None:
@@ -163,9 +163,10 @@ class HtmpcNode(Node):
         if self._left(job):
             return
         if job.stage is Stage.WAITING:
+            event = "begin" if runner.sequence is None else "replace"
             runner.begin(job.tasks, ARCHITECTURES[job.architecture], state)
             job.stage = Stage.RUNNING
-            self._announce(job.robot)
+            self._announce(job.robot, event)
         progress = runner.step(state)
         self._plan_out.publish(plan_message(progress.plan, joint_names(self._team, job.robot)))
         status = status_message(progress, state, name, job.architecture)
@@ -194,15 +195,14 @@ class HtmpcNode(Node):
         """Forget a job."""
         del self._jobs[job.robot]
         self._runners[job.robot].end()
-        self._announce(job.robot)
+        self._announce(job.robot, "end")
 
-    def _announce(self, robot: int) -> None:
-        """Send a robot's sequence as it is now."""
+    def _announce(self, robot: int, event: str, changed: str = "") -> None:
+        """Send a robot's sequence as it is after an event."""
         runner, job = self._runners[robot], self._jobs.get(robot)
         if self._state is not None:
-            architecture = "" if job is None else job.architecture
-            name = self._team.names[robot]
-            message = sequence_message(runner.sequence, self._state, name, architecture)
+            which = self._team.names[robot], "" if job is None else job.architecture
+            message = sequence_message(runner.sequence, self._state, which, event, changed)
             self._sequence_out.publish(message)
 
     def _runner(self, robot: int) -> SequenceRunner:

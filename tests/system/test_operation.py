@@ -1,0 +1,292 @@
+"""What operators of ROS systems expect: tidy nodes, parameters, diagnostics, QoS, a clean end."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParameters
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible, qos_profile_sensor_data
+from std_srvs.srv import SetBool
+
+from lexstack_ros.bringup import NODES
+from lexstack_ros.qos import STREAM
+from support.listening import sockets
+from support.processes import read, running, short_scenario
+from support.scenario import ROOT, SCENARIO
+
+pytestmark = pytest.mark.system
+PATIENCE = 20.0  # s
+ROBOTS = ("robot_a", "robot_b")
+TOOLS = [f"/{r}/{t}" for r in ROBOTS for t in ("joint_states", "ee_pose", "odom")]
+TARGETS = [f"/{r}/{t}" for r in ROBOTS for t in ("ee_target", "base_target")]
+ALWAYS = {"/rosout", "/parameter_events", "/diagnostics"}
+PUBLISHES = {
+    "sim_bridge": {
+        *("/plant/state", "/clock", *TOOLS),
+        *(f"/{r}/robot_description" for r in ROBOTS),
+    },
+    "hqp_controller": {"/robot_a/chi", "/robot_a/transition", "/robot_a/stack_request"},
+    "stack_solver": {"/robot_b/chi"},
+    "recorder": set(),
+}
+HEARS = {
+    "sim_bridge": {"/robot_a/chi"},
+    "hqp_controller": {"/plant/state", "/robot_b/chi", "/robot_a/request_stack", *TARGETS},
+    "stack_solver": {"/plant/state", "/robot_a/stack_request", *TARGETS},
+}
+SERVES = {
+    "sim_bridge": {f"/sim_bridge/{s}" for s in ("pause", "step", "reset", "apply_wrench")},
+    "hqp_controller": {"/robot_a/switch_stack", "/robot_a/cancel_transition"},
+    "stack_solver": set(),
+    "recorder": set(),
+}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """Return a long realtime run that has begun."""
+    scenario = short_scenario(mode="realtime", events=(), duration=600.0)
+    with running(scenario, tmp_path_factory.mktemp("run")) as run:
+        assert call(run, SetBool, "/sim_bridge/pause", data=False).success
+        yield run
+
+
+def until(run, condition):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        run.supervisor.check()
+        assert time.monotonic() < end
+        run.executor.spin_once(timeout_sec=0.05)
+
+
+def call(run, kind, name, **request):
+    client = run.player.create_client(kind, name)
+    until(run, client.service_is_ready)
+    future = client.call_async(kind.Request(**request))
+    until(run, future.done)
+    run.player.destroy_client(client)
+    return future.result()
+
+
+def names(pairs):
+    return {name for name, _ in pairs}
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_a_node_has_the_topics_and_services_that_it_shall_have_and_no_other(run, node):
+    """The same that ``ros2 node info`` shows."""
+    graph = run.player
+    published = names(graph.get_publisher_names_and_types_by_node(node, "/"))
+    assert published - ALWAYS - {"/tf_static"} == PUBLISHES[node]
+    assert published >= ALWAYS - {"/diagnostics"}
+    heard = names(graph.get_subscriber_names_and_types_by_node(node, "/"))
+    if node in HEARS:
+        assert heard - {"/parameter_events"} == HEARS[node]
+    else:
+        assert heard >= set().union(*PUBLISHES.values()), "the recorder hears all"
+    served = names(graph.get_service_names_and_types_by_node(node, "/"))
+    own = {s for s in served if not re.search(r"parameters?(_types|_atomically)?$", s)}
+    assert own - {f"/{node}/get_type_description"} == SERVES[node]
+    assert graph.get_node_names().count(node) == 1
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_every_parameter_says_what_it_is(run, node):
+    listed = call(run, ListParameters, f"/{node}/list_parameters").result.names
+    own = [
+        n
+        for n in listed
+        if n not in ("use_sim_time", "start_type_description_service")
+        and not n.startswith("qos_overrides")
+    ]
+    assert own
+    described = call(run, DescribeParameters, f"/{node}/describe_parameters", names=own)
+    for descriptor in described.descriptors:
+        assert descriptor.description, descriptor.name
+        numeric = descriptor.type in (2, 3)
+        assert not numeric or descriptor.floating_point_range or descriptor.integer_range
+        tunable = descriptor.name in ("transition_duration", "transition_method")
+        assert descriptor.read_only != tunable, descriptor.name
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "why"),
+    [
+        ("transition_duration", 0.0, "range"),
+        ("transition_duration", 1e9, "range"),
+        ("transition_duration", float("nan"), "range"),
+        ("transition_duration", float("inf"), "range"),
+        ("transition_duration", "x", "type"),
+        ("transition_method", "jump", "unknown method 'jump'; known: bridge"),
+        ("transition_method", 1, "type"),
+        ("scenario", "/other.yaml", "read-only"),
+        ("no_such_parameter", 1, "not been declared|undeclared|not declared"),
+    ],
+)
+def test_a_wrong_parameter_is_refused_with_a_reason(run, name, value, why):
+    parameter = Parameter(name=name, value=value).to_parameter_msg()
+    answer = call(run, SetParameters, "/hqp_controller/set_parameters", parameters=[parameter])
+    assert not answer.results[0].successful
+    assert re.search(why, answer.results[0].reason), answer.results[0].reason
+
+
+def test_diagnostics_tell_rates_times_misses_and_ages(run):
+    heard = []
+    subscription = run.player.create_subscription(
+        DiagnosticArray, "/diagnostics", lambda m: heard.extend(m.status), STREAM
+    )
+    until(run, lambda: {s.name for s in heard} == set(NODES) and len(heard) > 8)
+    run.player.destroy_subscription(subscription)
+    last = {s.name: {v.key: v.value for v in s.values} for s in heard}
+    assert float(last["hqp_controller"]["rate [Hz]"]) > 10.0
+    for key in (
+        "solve time, median [us]",
+        "solve time, longest [us]",
+        "age of the last /plant/state [ms]",
+        "least delay of /plant/state [ms]",
+        "ticks without robot B in time",
+        "refused messages",
+    ):
+        assert float(last["hqp_controller"][key]) >= 0.0
+    for key in ("late ticks", "missing ticks", "refused commands", "commander"):
+        assert key in last["sim_bridge"]
+    assert {"messages", "lost"} <= set(last["recorder"])
+
+
+def test_every_topic_is_heard_with_the_defaults_of_the_tools_and_hears_them(run):
+    """``ros2 topic echo`` and rosbag2 ask for a topic with their defaults; ``pub`` offers them."""
+    defaults = {"reliable": QoSProfile(depth=10), "best effort": qos_profile_sensor_data}
+    graph = run.player
+    for topic in set().union(*PUBLISHES.values()):
+        offered = [e.qos_profile for e in graph.get_publishers_info_by_topic(topic)]
+        assert offered, topic
+        for profile in offered:
+            for name, default in defaults.items():
+                fits, why = qos_check_compatible(profile, default)
+                assert fits != QoSCompatibility.ERROR, (topic, name, why)
+    for topic in ("/robot_a/request_stack", *TARGETS):
+        for end in graph.get_subscriptions_info_by_topic(topic):
+            if end.node_name in HEARS:
+                fits, why = qos_check_compatible(QoSProfile(depth=10), end.qos_profile)
+                assert fits != QoSCompatibility.ERROR, (topic, why)
+
+
+def test_the_documented_qos_is_the_one_that_is_offered(run):
+    text = (ROOT / "docs" / "deployment.md").read_text(encoding="utf-8")
+    form = r"^\| (`/[^|]+) \| (reliable), (volatile|transient local) \| (\d+) \|"
+    rows = re.findall(form, text, re.M)
+    documented = {}
+    for topics, reliability, durability, depth in rows:
+        for topic in re.findall(r"`([^`]+)`", topics):
+            for robot in ROBOTS if "NAME" in topic else ("",):
+                documented[topic.replace("NAME", robot)] = (reliability, durability, int(depth))
+    for topic in set().union(*PUBLISHES.values()) | {"/diagnostics"}:
+        offers = run.player.get_publishers_info_by_topic(topic)
+        ours = [e.qos_profile for e in offers if e.node_name in NODES]
+        for profile in ours:
+            offered = (
+                profile.reliability.name.lower(),
+                profile.durability.name.lower().replace("_", " "),
+            )
+            assert documented[topic][:2] == offered, topic
+
+
+def test_only_udp_ports_of_dds_are_open(run):
+    """DDS: 7400 + 250 domain, and from there 0, 1 (multicast), 10 + 2 p, 11 + 2 p (process p)."""
+    domain = int(os.environ["ROS_DOMAIN_ID"])
+    first = 7400 + 250 * domain
+    for child in run.supervisor.children:
+        tcp, udp = sockets(child.process.pid)
+        assert not tcp, (child.name, tcp)
+        listening = [(host, port) for host, port in udp if first <= port < first + 250]
+        assert listening, child.name
+        others = [(host, port) for host, port in udp if not first <= port < first + 250]
+        # Beside them: what Fast DDS sends from, and the multicast port of the shared memory.
+        assert len(others) <= 4, (child.name, others)
+
+
+# ---- the command as a whole
+
+
+def demo(out, *arguments, domain=None):
+    environment = {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
+    if domain is not None:
+        environment["ROS_DOMAIN_ID"] = str(domain)
+    return subprocess.Popen(
+        [
+            *(sys.executable, "-m", "lexstack_ros.commands.demo"),
+            *map(str, arguments),
+            *("--out", str(out)),
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=ROOT,
+        env=environment,
+    )
+
+
+def shortened(folder, duration):
+    """Return the default scenario's file without events, of another duration."""
+    data = yaml.safe_load(SCENARIO.read_text(encoding="utf-8"))
+    path = folder / "short.yaml"
+    path.write_text(yaml.safe_dump(data | {"duration": duration, "events": []}), encoding="utf-8")
+    return path
+
+
+def leftovers():
+    """Return the process ids of nodes that run, by their command lines."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            words = path.read_bytes().split(b"\0")
+        except OSError:
+            continue
+        if any(module.encode() in words for module in NODES.values()):
+            found.append(int(path.parent.name))
+    return set(found)
+
+
+def test_two_demos_at_the_same_time_do_not_meet(tmp_path):
+    scenario = shortened(tmp_path, 2.0)
+    both = [demo(tmp_path / name, scenario) for name in ("one", "other")]
+    outputs = [process.communicate(timeout=110) for process in both]
+    assert [process.returncode for process in both] == [0, 0], outputs
+    domains = {re.search(r"ROS_DOMAIN_ID=(\d+)", out).group(1) for out, _ in outputs}
+    assert len(domains) == 2
+    senders = []
+    for name in ("one", "other"):
+        bag = read(tmp_path / name / "bag", "/plant/state", "/robot_a/chi")
+        assert [m.tick for m in bag["/robot_a/chi"]] == list(range(200))
+        senders.append({m.sender for m in bag["/plant/state"] + bag["/robot_a/chi"]})
+    assert all(len(names_) == 2 for names_ in senders), "one plant and one robot A each"
+    assert not senders[0] & senders[1]
+
+
+def test_ctrl_c_again_and_again_still_ends_in_order(tmp_path):
+    before = leftovers()
+    process = demo(tmp_path / "run", shortened(tmp_path, 60.0), "--mode", "realtime")
+    log = tmp_path / "run" / "logs" / "hqp_controller.log"
+    end = time.monotonic() + 60.0
+    while "ready" not in (log.read_text(encoding="utf-8") if log.exists() else ""):
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < end
+        time.sleep(0.1)
+    while process.poll() is None:
+        process.send_signal(signal.SIGINT)
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode == 130, errors
+    assert "Traceback" not in errors
+    assert leftovers() <= before
+    for path in (tmp_path / "run" / "logs").glob("*.log"):
+        assert "Traceback" not in path.read_text(encoding="utf-8"), path.name
