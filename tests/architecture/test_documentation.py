@@ -28,6 +28,7 @@ RUN_FILES = {
     "replay.json",
     "report.html",
     "runs/",
+    "runs/experiment-NAME-TIME",
     "runs/transition-sequence-TIME/",
     "scenario.yaml",
 }

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lexstack_core.errors import ConfigurationError, InputError
+from lexstack_sim import wrench
 from lexstack_sim.memory import Counters, PlantError, Status
 from lexstack_sim.plant import Plant
 from support.plants import make_plant, sine
@@ -183,7 +184,8 @@ def test_a_rate_that_does_not_fit_the_physics_is_refused():
 def test_a_simulation_that_diverges_is_reported(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)  # MuJoCo leaves its log where it runs
     plant = make_plant()
-    # A push that no servo withstands.
+    # A push that no servo withstands, and that is refused from outside.
+    monkeypatch.setattr(wrench, "_STRONGEST", 1e13)
     plant.apply_wrench("robot_a", "tool", np.array([1e12, 0.0, 0.0]), np.zeros(3), 1.0)
     with pytest.raises(PlantError, match="unstable"):
         deque((plant.step(None) for _ in range(100)), maxlen=0)

@@ -340,7 +340,7 @@ def test_it_ends_with_the_scenario_if_asked(bring_up):
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        ({"scenario": "/nowhere.yaml"}, "/nowhere.yaml: cannot be read"),
+        ({"scenario": "/nowhere.yaml"}, "'/nowhere.yaml': cannot be read"),
     ],
 )
 def test_a_wrong_parameter_is_one_clear_line(bring_up, parameters, message):
