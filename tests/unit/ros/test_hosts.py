@@ -58,3 +58,12 @@ def test_a_wrong_file_is_refused_with_file_and_key(tmp_path, change, what):
         load_hosts(path, _KNOWN)
     assert str(error.value).startswith(f"{path}: ")
     assert what in str(error.value)
+
+
+def test_a_scenario_starts_what_it_needs_and_says_what_runs_nowhere():
+    hosts = load("server")
+    plain = ("sim_bridge", "hqp_controller", "stack_solver", "recorder", "scenario_player")
+    assert set(hosts.needed(plain, "s")) == {*plain, "discovery_server"}
+    assert set(hosts.needed((*plain, "htmpc"), "s")) == {*plain, "htmpc", "discovery_server"}
+    with pytest.raises(ConfigurationError, match="view runs on no host, but scenario s needs it"):
+        hosts.needed((*plain, "view"), "s")

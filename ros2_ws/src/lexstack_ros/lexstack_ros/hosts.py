@@ -95,6 +95,19 @@ class HostsConfig:
             raise ConfigurationError(f"--only: the nodes of one host are needed, got {where}")
         return names[0]
 
+    def needed(self, wanted: Sequence[str], scenario: str) -> list[str]:
+        """Return the nodes of all hosts that a scenario needs, and the discovery server.
+
+        Raises:
+            ConfigurationError: one of them runs on no host.
+        """
+        absent = [node for node in wanted if node not in self.nodes]
+        if absent:
+            raise ConfigurationError(
+                f"{self.name}: hosts: {absent[0]} runs on no host, but scenario {scenario} needs it"
+            )
+        return [node for node in self.nodes if node in wanted or node == SERVER]
+
     def environment(self, name: str) -> dict[str, str]:
         """Return the variables by which the nodes of a host find the others."""
         common = {"ROS_DOMAIN_ID": str(self.domain)}

@@ -17,7 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.errors import ConfigurationError, LexstackError
-from lexstack_ros.bringup import NODES, PLANNERS, bring_up
+from lexstack_ros.bringup import NODES, PLANNERS, bring_up, nodes_of
 from lexstack_ros.commands.demo import (
     add_run_arguments,
     is_file,
@@ -46,8 +46,10 @@ def main(arguments: list[str] | None = None) -> int:
         options = _parser(root).parse_args(arguments)
         hosts = load_hosts(_host_file(root, options.host_config), _KNOWN)
         only = [name.strip() for name in options.only.split(",") if name.strip()]
-        share = Share(hosts, hosts.share(only), only)
+        host = hosts.share(only)
         resolved = resolve_scenario(root, options)
+        needed = hosts.needed((*nodes_of(resolved.scenario), PLAYER), resolved.scenario.name)
+        share = Share(host, hosts, only, needed)
         out = run_folder(root, options.out, f"{resolved.scenario.name}-{share.host}")
     except ConfigurationError as error:
         print(f"error: {error}", file=sys.stderr)
@@ -64,12 +66,15 @@ def main(arguments: list[str] | None = None) -> int:
 class Share:
     """What one host runs."""
 
-    def __init__(self, hosts: HostsConfig, host: str, only: Sequence[str]) -> None:
-        """Take the nodes ``only`` of ``host``."""
+    def __init__(
+        self, host: str, hosts: HostsConfig, only: Sequence[str], needed: Sequence[str]
+    ) -> None:
+        """Take the nodes ``only`` of ``host``; those that are not ``needed`` stay away."""
         self.host = host
         self._hosts = hosts
-        self._only = only
-        self._peers = [node for node in hosts.nodes if node not in only and node != SERVER]
+        self._only = [node for node in only if node in needed]
+        self._away = [node for node in only if node not in needed]
+        self._peers = [node for node in needed if node not in only and node != SERVER]
 
     def run(self, resolved: ResolvedScenario, out: Path) -> int:
         """Start the nodes, wait for their peers, play or wait, end all; returns the exit code."""
@@ -78,7 +83,10 @@ class Share:
         for name in VARIABLES:
             os.environ.pop(name, None)
         os.environ.update(variables)
-        print(f"{self.host}: {', '.join(self._only)}; waits for {', '.join(self._peers) or 'none'}")
+        here, others = ", ".join(self._only) or "nothing", ", ".join(self._peers) or "none"
+        print(f"{self.host}: {here}; waits for {others}")
+        if self._away:
+            print(f"  not needed by this scenario: {', '.join(self._away)}")
         print("".join(f"  {name}={value}\n" for name, value in variables.items()), flush=True)
         supervisor = Supervisor(out / "logs", variables)
         ready = False
