@@ -280,6 +280,25 @@ def test_a_reference_step_while_it_blends_is_bridged():
     assert goes_on_evenly(run, gap)
 
 
+def test_what_holds_a_level_back_is_told_by_name():
+    run = loop()
+    assert run.controller.obstructed() == "", "nothing was asked yet"
+    phases(run, 2)
+    assert run.controller.obstructed() == ""
+    goal = run.parts.team.tools(home())[1]
+    far = type(goal)(goal.position + np.array([2.0, 0.0, 0.0]), goal.rotation)
+    run.controller.references.add(Target(0.02, 1, ee=far))
+    command = run.step()
+    said = run.controller.obstructed()
+    assert said.startswith("level 0: robot_b/ee_pose row 0 misses by ")
+    at_bounds = np.flatnonzero(
+        (command.chi == command.bounds.lower) | (command.chi == command.bounds.upper)
+    )
+    names = run.parts.team.joint_names
+    assert any(f"bound of {names[i]} (" in said for i in at_bounds)
+    assert "robot_a/" not in said
+
+
 # ---- what the solver may do wrong
 
 

@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 
 from lexstack_core.bounds import Bounds, target_bounds
-from lexstack_core.hqp import HqpSolver, Solution, refusal
+from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, blocked, describe, refusal
 from lexstack_core.in_force import BoxLaw
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
@@ -71,6 +71,7 @@ class Controller:
         self._sent: Vector | None = None
         self._bounds: Bounds | None = None
         self._warm: Solution | None = None
+        self._problem: HqpProblem | None = None
 
     def tick(self, state: RobotState) -> Command:
         """Return the command for this state; it never raises for what a solver does.
@@ -94,6 +95,7 @@ class Controller:
         solution = self._solver.solve(plans.problem, self._warm)
         chi, fallback = checked(solution, bounds)
         self._warm = None if fallback else solution
+        self._problem = plans.problem
         self._sent = chi
         stack = self.transition.stack
         told = self.transition.finish(plans, chi)
@@ -108,6 +110,18 @@ class Controller:
             told,
             perf_counter() - begun,
         )
+
+    def obstructed(self) -> str:
+        """Return which levels of the last tick a joint's bound keeps from being met, or ''.
+
+        For whoever looks, not for every tick: it takes some milliseconds. Levels that give way to
+        those above them, and to no bound, are left out: that is what a hierarchy is for.
+        """
+        if self._problem is None or self._warm is None:
+            return ""
+        levels = blocked(self._problem, self._warm)
+        held = [b for b in levels if any(obstacle.joint >= 0 for obstacle in b.obstacles)]
+        return describe(held, self._team.joint_names)
 
 
 def checked(solution: Solution, bounds: Bounds) -> tuple[Vector, str]:

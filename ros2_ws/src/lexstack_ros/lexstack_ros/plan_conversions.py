@@ -32,8 +32,7 @@ _OFF_TICK = 1e-3  # of a tick, by which a plan's stamp may be off
 
 def joint_names(team: Team, robot: int) -> list[str]:
     """Return the names of a robot's joints in a plan: prefixed by the robot."""
-    name = team.names[robot]
-    return [f"{name}/{joint}" for joint in team.robots[robot].joints]
+    return list(team.joint_names[team.slices[robot]])
 
 
 def plan_message(plan: Plan, names: list[str]) -> JointTrajectory:

@@ -114,6 +114,11 @@ class Team:
         )
 
     @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of all joints in the order of chi: robot, slash, joint."""
+        return tuple(f"{robot.name}/{joint}" for robot in self.robots for joint in robot.joints)
+
+    @cached_property
     def _fixed(self) -> tuple[Vector, Indices, Matrix]:
         """Return what does not move: ``Spheres.radii``, ``owners`` and ``moved_by``."""
         counts = [len(robot.spheres.radii) for robot in self.robots]

@@ -145,6 +145,7 @@ class HqpControllerNode(Node):
                 "tick": str(self._served),
                 "ticks without robot B in time": str(self._late),
                 "fallbacks": str(self._fallbacks),
+                "levels held back by bounds": self._controller.obstructed(),
                 "refused messages": str(refused),
             },
         )
