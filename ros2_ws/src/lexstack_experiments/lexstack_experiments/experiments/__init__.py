@@ -12,6 +12,7 @@ from lexstack_experiments.experiments import (
     sudden_limits,
     transition_methods,
     transition_sequence,
+    waypoint_path,
 )
 
 EXPERIMENTS: dict[str, Experiment] = {
@@ -24,6 +25,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "realism": realism.EXPERIMENT,
     "lexicographic-constraints": lexicographic_constraints.EXPERIMENT,
     "square-wave": square_wave.EXPERIMENT,
+    "waypoint-path": waypoint_path.EXPERIMENT,
     "tune-htmpc": htmpc_tuning.EXPERIMENT,
 }
 

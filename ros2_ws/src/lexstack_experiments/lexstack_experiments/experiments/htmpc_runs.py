@@ -129,7 +129,7 @@ def setting(config: Path) -> Setting:
     robot = RobotModel(ROBOT, load_robot(config / "robots" / f"{ROBOT}.yaml"))
     home = robot.home((0.0, 0.0, 0.0))
     tool = np.array(robot.tool(home)[0].position)
-    return Setting(robot, home, tool, _farthest(robot, home, float(tool[2])))
+    return Setting(robot, home, tool, farthest(robot, home, float(tool[2])))
 
 
 def peaks_of(tool: Vector, count: int, seed: int) -> Matrix:
@@ -198,7 +198,7 @@ def between(record: Record) -> tuple[Vector, Matrix]:
     return np.append(times, record.times[-1]), np.vstack((inner, record.q[-1:]))
 
 
-def _farthest(robot: RobotModel, home: Vector, height: float) -> float:
+def farthest(robot: RobotModel, home: Vector, height: float) -> float:
     """Return the largest horizontal distance of the tool from the base at a height [m]."""
     rng = np.random.default_rng(0)
     limits = robot.limits
