@@ -3,6 +3,7 @@
 from lexstack_experiments.experiment import Experiment
 from lexstack_experiments.experiments import (
     computation,
+    delivery,
     htmpc_tuning,
     lexicographic_constraints,
     obstacle,
@@ -26,6 +27,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "lexicographic-constraints": lexicographic_constraints.EXPERIMENT,
     "square-wave": square_wave.EXPERIMENT,
     "waypoint-path": waypoint_path.EXPERIMENT,
+    "delivery": delivery.EXPERIMENT,
     "tune-htmpc": htmpc_tuning.EXPERIMENT,
 }
 

@@ -16,6 +16,7 @@ from lexstack_experiments.pictures import COLOURS, legend_beside, mark, picture
 
 _DPI = 110
 _PARTS = ("#56b4e9", "#0072b2")  # part 1 light, part 2 dark, as in the paper
+_PEOPLE = {"red": "#d55e00", "blue": "#0072b2", "yellow": "#e6c200"}
 
 
 def draw_constraints(curves: Mapping[str, Mapping[str, Wave]], half: float, path: Path) -> None:
@@ -124,3 +125,43 @@ def draw_tracks_from_above(
         panel.set_xlabel("x [m]")
         panel.set_ylabel("y [m]")
         legend_beside(panel)
+
+
+def draw_deliveries(
+    paths: Mapping[str, Matrix],
+    people: Mapping[str, tuple[Vector, Vector]],
+    done: Mapping[str, Mapping[str, float]],
+    path: Path,
+) -> None:
+    """Write H Fig. 9: base paths from above, and the timelines of the tasks.
+
+    Args:
+        paths: of the base, (m, 2) for each architecture.
+        people: station and place of the tool, shapes (2,), by name, which is a colour.
+        done: when each task was done [s], by its name, which begins with the person's, for each
+            architecture.
+        path: of the file.
+    """
+    with picture(path, 1, 2, (8.0, 3.0)) as (above, lines):
+        for k, (name, points) in enumerate(paths.items()):
+            above.plot(points[:, 0], points[:, 1], color=COLOURS[k], linewidth=0.8, label=name)
+        for name, (station, place) in people.items():
+            colour = _PEOPLE[name]
+            above.plot(*station, "s", color=colour, markersize=5)
+            above.plot(*place, "o", color=colour, markersize=5)
+        above.set_aspect("equal")
+        above.set_xlabel("x [m]")
+        above.set_ylabel("y [m]")
+        above.set_title("base; stations square, tool round", loc="left")
+        above.legend(loc="lower left")
+        for row, (_, tasks) in enumerate(done.items()):
+            begin = 0.0
+            for task, end in tasks.items():
+                low = row + (0.0 if "give" in task else -0.3)
+                colour = _PEOPLE[task.split()[0]]
+                lines.broken_barh([(begin, end - begin)], (low, 0.3), color=colour)
+                begin = end
+        lines.set_yticks(range(len(done)), list(done))
+        lines.invert_yaxis()
+        lines.set_xlabel("time [s]")
+        lines.set_title("first task: base above the line, tool below", loc="left")
