@@ -4,9 +4,12 @@ from lexstack_experiments.experiment import Experiment
 from lexstack_experiments.experiments import (
     computation,
     delivery,
+    faults,
     htmpc_tuning,
     lexicographic_constraints,
     obstacle,
+    oracle_gap,
+    reactivity,
     realism,
     robots,
     square_wave,
@@ -28,6 +31,9 @@ EXPERIMENTS: dict[str, Experiment] = {
     "square-wave": square_wave.EXPERIMENT,
     "waypoint-path": waypoint_path.EXPERIMENT,
     "delivery": delivery.EXPERIMENT,
+    "reactivity": reactivity.EXPERIMENT,
+    "oracle": oracle_gap.EXPERIMENT,
+    "faults": faults.EXPERIMENT,
     "tune-htmpc": htmpc_tuning.EXPERIMENT,
 }
 

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from lexstack_core.linear import Matrix, Vector
 from lexstack_experiments.experiments.htmpc_runs import WITHIN, Wave
+from lexstack_experiments.experiments.htmpc_sequences import Trip
 from lexstack_experiments.pictures import COLOURS, legend_beside, mark, picture
 
 _DPI = 110
@@ -165,3 +166,46 @@ def draw_deliveries(
         lines.invert_yaxis()
         lines.set_xlabel("time [s]")
         lines.set_title("first task: base above the line, tool below", loc="left")
+
+
+def draw_reactions(
+    trips: Mapping[str, tuple[Trip, Vector, Mapping[str, float]]], delta: float, path: Path
+) -> None:
+    """Write the tool's error and the base's speed over time, a column for each kind of change.
+
+    Args:
+        trips: the trip, the tool's place (3,), and what happens when [s], by kind.
+        delta: tolerance of H(13) [mm].
+        path: of the file.
+    """
+    with picture(path, 2, len(trips), (8.0, 3.6)) as axes:
+        for k, (kind, (trip, place, events)) in enumerate(trips.items()):
+            upper, lower = axes[k], axes[len(trips) + k]
+            times = trip.record.times
+            shown = times <= events["release"] + 1e-9
+            upper.plot(times[shown], 1e3 * trip.off(place)[shown], color=COLOURS[0])
+            upper.axhline(delta, color=COLOURS[1], linewidth=0.8)
+            upper.set_yscale("log")
+            upper.set_xlim(0.0, times[-1])
+            upper.set_title(f"{kind}: tool off its place [mm]", loc="left")
+            speeds = np.linalg.norm(trip.record.v[:, :2], axis=1)
+            lower.plot(times, speeds, color=COLOURS[0])
+            lower.set_xlim(0.0, times[-1])
+            lower.set_title("speed of the base [m/s]", loc="left")
+            lower.set_xlabel("time [s]")
+            for panel in (upper, lower):
+                mark(panel, dict(events))
+
+
+def draw_gaps(shares: Mapping[str, Vector], path: Path) -> None:
+    """Write how gaps are distributed: the share of states with at most this gap, a curve a row."""
+    with picture(path, 1, 1, (8.0, 3.0)) as (panel,):
+        for k, (name, values) in enumerate(shares.items()):
+            if len(values):
+                part = np.arange(1, len(values) + 1) / len(values)
+                line = "-" if name.endswith("3") else "--"
+                panel.plot(np.sort(values), part, line, color=COLOURS[k // 2], label=name)
+        panel.set_xscale("symlog", linthresh=1e-3)
+        panel.set_xlabel("cost above the optimum, of what there was to gain")
+        panel.set_title("share of states; level, guess, iterations", loc="left")
+        legend_beside(panel)
