@@ -20,7 +20,7 @@ from lexstack_core.state import RobotState
 from lexstack_interfaces.msg import Chi
 from lexstack_interfaces.srv import ApplyWrench
 from lexstack_ros.conversions import check_robots, to_vector
-from lexstack_ros.diagnostics import Diagnostics, Health
+from lexstack_ros.diagnostics import Diagnostics, Health, first
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.qos import STREAM
 from lexstack_ros.readiness import Readiness
@@ -54,6 +54,7 @@ class SimBridge(Node):
         self._cycle = Cycle(self._plant, self._pacer, last, self._publish, monotonic)
         self._commander = SoleSender(_COMMAND)
         self._refused = 0
+        self._refusal = ""  # the last one since the last report
         self._finished = False
         self._topics = PlantTopics(self, self._team, scenario.rate)
         self.create_subscription(Chi, _COMMAND, self._on_command, STREAM)
@@ -98,6 +99,7 @@ class SimBridge(Node):
                 self._cycle.take(message.tick, chi)
         except InputError as error:
             self._refused += 1
+            self._refusal = f"refused: {error}"
             self.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
         self._wake_up()
 
@@ -166,8 +168,10 @@ class SimBridge(Node):
     def _health(self) -> Health:
         """Return how the plant is."""
         status, counters = self._plant.status, dataclasses.asdict(self._plant.counters)
+        refusal, self._refusal = self._refusal, ""
+        waits = "" if status == Status.FOLLOWING else f"{status.name.lower()}: no command comes"
         return Health(
-            "" if status == Status.FOLLOWING else f"{status.name.lower()}: no command comes",
+            first(waits, refusal),
             {
                 "tick": str(self._cycle.state.tick),
                 "late ticks": str(self._pacer.late_ticks),

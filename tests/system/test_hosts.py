@@ -14,7 +14,7 @@ import yaml
 
 from lexstack_interfaces.msg import PlantState
 from lexstack_ros.hosts import VARIABLES
-from support.hosts import Lan, why_not
+from lexstack_ros.namespaces import Lan, why_not
 from support.processes import acceleration_ratio, read
 from support.scenario import CONFIG, ROOT, SCENARIO, team
 

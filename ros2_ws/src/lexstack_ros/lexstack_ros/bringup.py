@@ -22,7 +22,7 @@ NODES = {
     RECORDER: "lexstack_ros.nodes.recorder",
 }
 PLANNERS = {HTMPC: "lexstack_ros.nodes.htmpc"}  # in runs with sequences
-_MODULES = {**PLANNERS, **NODES}
+MODULES = {**PLANNERS, **NODES}
 _READY_TIMEOUT = 60.0  # s of wall time, on a slow machine
 
 
@@ -57,12 +57,12 @@ def bring_up(
     """
     if nodes is None:
         nodes = nodes_of(ResolvedScenario.from_yaml(read_text(scenario), str(scenario)).scenario)
-    chosen = [name for name in _MODULES if name in nodes]
+    chosen = [name for name in MODULES if name in nodes]
     for name in chosen:
         given = {"scenario": str(scenario)}
         if name == RECORDER:
             given |= {"output": str(bag), **(recording or {})}
         given["peers"] = ",".join([*(other for other in chosen if other != name), *peers])
         pairs = [argument for key, value in given.items() for argument in ("-p", f"{key}:={value}")]
-        supervisor.start(name, _MODULES[name], ["--ros-args", *pairs])
+        supervisor.start(name, MODULES[name], ["--ros-args", *pairs])
     supervisor.wait_printed(chosen, READY, timeout)

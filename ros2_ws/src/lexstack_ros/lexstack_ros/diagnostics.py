@@ -10,6 +10,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+OURS = "lexstack"
+"""The hardware_id of every status of ours."""
+
 
 @dataclass(frozen=True, slots=True)
 class Health:
@@ -70,7 +73,7 @@ class Diagnostics:
             level=DiagnosticStatus.WARN if health.message else DiagnosticStatus.OK,
             name=self._node.get_name(),
             message=health.message or "ok",
-            hardware_id="lexstack",
+            hardware_id=OURS,
             values=[KeyValue(key=key, value=value) for key, value in health.values.items()],
         )
         array = DiagnosticArray(status=[status])

@@ -11,6 +11,7 @@ from lexstack_core.model import Team
 from lexstack_core.state import RobotState
 from lexstack_interfaces.msg import PlantState
 from lexstack_ros.conversions import to_state
+from lexstack_ros.diagnostics import first
 from lexstack_ros.qos import STREAM
 from lexstack_ros.readiness import Readiness
 from lexstack_ros.senders import SoleSender
@@ -46,6 +47,7 @@ class PlantStates:
         Create this after the node's other topics: readiness looks at all of them.
         """
         self.refused = 0
+        self._refusal = ""  # the last one since the last report
         self.delays = Delays(_TOPIC)
         self._node = node
         self._team = team
@@ -60,7 +62,14 @@ class PlantStates:
     def refuse(self, error: InputError) -> None:
         """Count and tell of a message that does not fit."""
         self.refused += 1
+        self._refusal = f"refused: {error}"
         self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
+
+    def report(self) -> tuple[str, dict[str, str]]:
+        """Return a complaint (or '') and the figures since the last report."""
+        complaint, values = self.delays.report()
+        refusal, self._refusal = self._refusal, ""
+        return first(complaint, refusal), values
 
     def _hear(self, message: PlantState, info: dict[str, int]) -> None:
         """Take note of a message that is the plant's."""

@@ -12,6 +12,14 @@ STREAM = QoSProfile(
     durability=DurabilityPolicy.VOLATILE,
 )
 
+# Requests may come in bursts while a tick is computed: a request that is lost is never answered.
+SERVICE = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1000,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.VOLATILE,
+)
+
 # For what a process that comes later must know: descriptions, requests to a source.
 LATCHED = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,

@@ -13,8 +13,10 @@ from lexstack_core.transition.request import Answer
 from lexstack_interfaces.msg import StackRequest
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.conversions import stack_request
-from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.qos import LATCHED, SERVICE, STREAM
 from lexstack_ros.tuning import TransitionParameters
+
+_THROTTLE = 0.05  # s: a flood of requests is no flood of lines
 
 
 class Requests:
@@ -33,7 +35,9 @@ class Requests:
         self._team = team
         self._stamp = 0.0
         self._out = node.create_publisher(StackRequest, "/robot_a/stack_request", LATCHED)
-        node.create_service(SwitchStack, "/robot_a/switch_stack", self._on_switch)
+        node.create_service(
+            SwitchStack, "/robot_a/switch_stack", self._on_switch, qos_profile=SERVICE
+        )
         node.create_service(Trigger, "/robot_a/cancel_transition", self._on_cancel)
         node.create_subscription(String, "/robot_a/request_stack", self._on_request, STREAM)
         self._parameters = TransitionParameters(node, scenario.transition, self._on_parameters)
@@ -80,7 +84,7 @@ class Requests:
         self.announce()
         log = self._node.get_logger()
         if answer.accepted:
-            log.info(answer.message)
+            log.info(answer.message, throttle_duration_sec=_THROTTLE)
         else:
             log.warning(f"refused: {answer.message}", throttle_duration_sec=1.0)
 

@@ -120,9 +120,12 @@ class Transition:
         """Ask as configured, for those who hear no answer: a refusal stands in the state."""
         answer = self.ask(stack, 0.0, "", 0)
         if not answer.accepted:
-            reason = f"refused: {answer.message}"
-            self._channels = tuple(replace(each, reason=reason) for each in self._channels)
+            self.note(f"refused: {answer.message}")
         return answer
+
+    def note(self, reason: str) -> None:
+        """Let a reason stand in the state of all robots until their next transition."""
+        self._channels = tuple(replace(each, reason=reason) for each in self._channels)
 
     def cancel(self) -> Answer:
         """Give up all transitions under way and those scheduled, and go back smoothly."""

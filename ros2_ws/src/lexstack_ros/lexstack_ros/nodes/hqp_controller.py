@@ -20,6 +20,7 @@ from lexstack_ros.conversions import (
     transition_status,
 )
 from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
+from lexstack_ros.journal import Journal
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.plan_conversions import PLAN, to_plan
 from lexstack_ros.plant_states import PlantStates
@@ -28,6 +29,7 @@ from lexstack_ros.references import TargetTopics
 from lexstack_ros.requests import Requests
 from lexstack_ros.senders import AlreadyCommandedError, sender_name
 from lexstack_ros.spin import run_node
+from lexstack_ros.watch import Watch
 
 _LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
 
@@ -41,7 +43,9 @@ class HqpControllerNode(Node):
         self._resolved = scenario_parameter(self)
         self._parts = Parts.of(self._resolved)
         self._controller = build_controller(self._resolved, self._parts)
-        self._patience = self._resolved.scenario.timeouts.source_wall
+        timeouts = self._resolved.scenario.timeouts
+        self._patience = timeouts.source_wall
+        self._journal = Journal(round(timeouts.watchdog * self._resolved.scenario.rate))
         self._state: RobotState | None = None  # the one that still waits for its command
         self._served = -1
         self._deadline = 0.0
@@ -63,6 +67,7 @@ class HqpControllerNode(Node):
         )
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_LOOK, self._on_look, clock=wall)
+        self._watch = Watch(self)
         Diagnostics(self, self._health)
         self._states = PlantStates(
             self, self._parts.team, self._on_state, self._restart, self._on_commander
@@ -72,6 +77,9 @@ class HqpControllerNode(Node):
 
     def _on_state(self, state: RobotState) -> None:
         """Serve a new state, or keep it until the source's chi is there."""
+        away = self._journal.arrive(state.tick)
+        if away:
+            self._controller.transition.note(away)
         self._state = state
         self._deadline = time.monotonic() + self._patience
         self._serve(wait=True)
@@ -119,6 +127,7 @@ class HqpControllerNode(Node):
         self._chi_out.publish(chi_of_command(command, self._chi))
         for transition in command.transitions:
             self._status_out.publish(transition_status(command, transition, self._status))
+        self._journal.see(command.transitions)
         self._served = state.tick
         self._meter.add(command.solve_time)
         if command.fallback:
@@ -132,13 +141,15 @@ class HqpControllerNode(Node):
         self._controller = build_controller(self._resolved, self._parts)
         self._targets.schedule = self._controller.references
         self._requests.restart(self._controller.transition)
+        self._journal.begin_anew()
 
     def _health(self) -> Health:
         """Return how the node is."""
         refused = self._states.refused + self._targets.refused
-        complaint, ages = self._states.delays.report()
+        complaint, ages = self._states.report()
+        failed = f"{self._fallbacks} ticks failed" if self._fallbacks else ""
         return Health(
-            first(complaint, f"{self._fallbacks} ticks failed" if self._fallbacks else ""),
+            first(self._journal.report(), self._watch.report(), complaint, failed),
             {
                 **self._meter.report(),
                 **ages,

@@ -14,7 +14,7 @@ from lexstack_bag.errors import BagError
 from lexstack_bag.facts import run_facts
 from lexstack_bag.reader import NEEDED
 from lexstack_bag.writer import BagWriter
-from lexstack_ros.diagnostics import Diagnostics, Health
+from lexstack_ros.diagnostics import Diagnostics, Health, first
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.readiness import Readiness
 from lexstack_ros.recording import (
@@ -46,6 +46,7 @@ class Recorder(Node):
         self._taps: dict[str, Tap] = {}
         self._announced: set[str] = set()
         self._refused: set[str] = set()
+        self._broken = ""  # why the bag ends here, while the run goes on
         self._lost_before: Counter[str] = Counter()  # of subscriptions that were renewed
         for name, type_name in expected.items():
             if self._selection.takes(name, type_name):
@@ -55,7 +56,7 @@ class Recorder(Node):
         self._diagnostics = Diagnostics(self, self._health)
         wall = Clock(clock_type=ClockType.STEADY_TIME)  # goes on while simulated time stands
         self.create_timer(_DISCOVERY_PERIOD, self._discover, clock=wall)
-        self.create_timer(_FLUSH_PERIOD, self._writer.flush, clock=wall)
+        self.create_timer(_FLUSH_PERIOD, self._flush, clock=wall)
         self._discover()
         self.get_logger().info(f"records {len(self._taps)} topics to {options.output}")
         self._readiness = Readiness(self, hears_plant=True, on_ready=self._begin)
@@ -125,10 +126,30 @@ class Recorder(Node):
 
     def _store(self, name: str, data: bytes, info: dict[str, Any]) -> None:
         """Write one message."""
-        if name not in self._announced:
-            self._announce(name)
+        if self._broken:
+            return
         number = info["publication_sequence_number"] or 0
-        self._writer.write(name, data, info["received_timestamp"], info["source_timestamp"], number)
+        times = info["received_timestamp"], info["source_timestamp"]
+        try:
+            if name not in self._announced:
+                self._announce(name)
+            self._writer.write(name, data, *times, number)
+        except BagError as error:
+            self._give_up(error)
+
+    def _flush(self) -> None:
+        """Hand to the disk what has waited long enough."""
+        if self._broken:
+            return
+        try:
+            self._writer.flush()
+        except BagError as error:
+            self._give_up(error)
+
+    def _give_up(self, error: BagError) -> None:
+        """Let the bag end here, and say so: a full disk must not end the run."""
+        self._broken = f"the bag ends here: {error}"
+        self.get_logger().error(self._broken)
 
     def _lost(self) -> dict[str, int]:
         """Return the number of lost messages by topic."""
@@ -138,7 +159,7 @@ class Recorder(Node):
         """Return how the recording goes."""
         lost = sum(self._lost().values())
         return Health(
-            f"{lost} messages lost" if lost else "",
+            first(self._broken, f"{lost} messages lost" if lost else ""),
             {
                 "messages": str(self._writer.extent.total),
                 "topics": str(len(self._announced)),

@@ -115,7 +115,7 @@ class StackSolverNode(Node):
 
     def _health(self) -> Health:
         """Return how the node is."""
-        complaint, ages = self._states.delays.report()
+        complaint, ages = self._states.report()
         return Health(
             first(complaint, f"{self._failures} ticks failed" if self._failures else ""),
             {

@@ -1,0 +1,1 @@
+"""Faults on purpose: a running system, what is done to it, and whether it serves again."""
