@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 from rclpy.action import ActionClient
+from std_msgs.msg import String
 
 from lexstack_core.config.resolved import load_scenario
 from lexstack_core.htmpc import SequenceTask
@@ -15,6 +16,7 @@ from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import SequenceStatus, TransitionStatus
 from lexstack_ros.bringup import PLANNERS
 from lexstack_ros.plan_conversions import task_message
+from lexstack_ros.qos import STREAM
 from lexstack_ros.readiness import READY
 from support.processes import acceleration_ratio, chi_by_tick, read, running
 from support.scenario import CONFIG, team
@@ -23,27 +25,26 @@ pytestmark = pytest.mark.system
 ACTION, CHI = "/htmpc/execute_sequence", "/robot_a/chi"
 
 
-def scenario(**values):
-    """Return the scenario with one delivery, shorter."""
-    resolved = load_scenario(CONFIG / "scenarios/deliver-one.yaml")
-    values = {"duration": 8.0, **values}
+def scenario(name, **values):
+    """Return a scenario with other values."""
+    resolved = load_scenario(CONFIG / f"scenarios/{name}.yaml")
     return dataclasses.replace(resolved, scenario=dataclasses.replace(resolved.scenario, **values))
 
 
 @pytest.fixture(scope="module")
 def delivery(tmp_path_factory):
-    """Return the folder of a lockstep run with one sequence, and the sequence's result."""
+    """Return the folder of a lockstep run with two sequences at once, and their results."""
     folder = tmp_path_factory.mktemp("delivery")
-    with running(scenario(), folder) as run:
+    with running(scenario("deliver-both", duration=7.5), folder) as run:
         run.play()
-        result = run.player._sequences.results["deliver"]
-    return folder, result
+        results = dict(run.player._sequences.results)
+    return folder, results
 
 
-def of_robot_a(run_folder):
-    """Return the transition states of robot A's own arm and base, in order."""
+def transitions(run_folder, robot):
+    """Return the transition states of one robot's arm and base, in order."""
     topic = "/robot_a/transition"
-    return [m for m in read(run_folder / "bag", topic)[topic] if "robot_a" in m.robots]
+    return [m for m in read(run_folder / "bag", topic)[topic] if robot in m.robots]
 
 
 def largest_acceleration(run_folder):
@@ -51,28 +52,33 @@ def largest_acceleration(run_folder):
     return acceleration_ratio(run_folder / "bag", team().limits.acceleration, 0.01)
 
 
-def test_a_follows_the_plan_and_goes_back_to_its_own_stack(delivery):
-    folder, result = delivery
+@pytest.mark.parametrize(
+    ("name", "robot", "begin"), [("left", "robot_a", 100), ("right", "robot_b", 150)]
+)
+def test_a_follows_the_plans_of_both_robots_and_goes_back(delivery, name, robot, begin):
+    folder, results = delivery
+    result, plan = results[name], f"plan_{robot}"
     assert (result.success, result.done, result.message) == (True, 2, "")
-    states = of_robot_a(folder)
+    states = transitions(folder, robot)
     stacks = list(dict.fromkeys(m.to_stack for m in states if m.phase == TransitionStatus.BLENDING))
-    assert stacks == ["plan_robot_a", "posture"]
-    assert {m.source for m in states if m.to_stack == "plan_robot_a" and m.tick > 100} == {"htmpc"}
+    assert stacks == [plan, "posture"]
+    assert {m.source for m in states if m.to_stack == plan and m.tick > begin} == {"htmpc"}
     assert (states[-1].phase, states[-1].to_stack) == (TransitionStatus.IDLE, "posture")
     assert largest_acceleration(folder) <= 1.0 + 1e-6
     statuses: list[SequenceStatus] = read(folder / "bag", "/htmpc/status")["/htmpc/status"]
-    assert all(m.solved for m in statuses)
-    assert [m.index for m in statuses] == sorted(m.index for m in statuses)
-    ticks = [m.tick for m in statuses]
-    assert set(np.diff(ticks)) == {5}, "20 Hz beside 100 Hz, none missing"
+    mine = [m for m in statuses if m.robot == robot]
+    assert all(m.solved for m in mine)
+    assert [m.index for m in mine] == sorted(m.index for m in mine)
+    assert mine[0].tick == begin
+    assert set(np.diff([m.tick for m in mine])) == {5}, "20 Hz beside 100 Hz, none missing"
 
 
 def test_two_lockstep_runs_are_equal_to_the_bit_whatever_goals_were_refused(delivery, tmp_path):
-    with running(scenario(), tmp_path) as run:
+    with running(scenario("deliver-both", duration=7.5), tmp_path) as run:
         refused(run)
         run.play()
     chi = [chi_by_tick(folder / "bag", CHI) for folder in (delivery[0], tmp_path)]
-    assert len(chi[0]) == 800
+    assert len(chi[0]) == 750
     assert chi[0] == chi[1]
 
 
@@ -119,30 +125,40 @@ class KillAndAskAgain:
         """Watch a run from its first tick on."""
         self.run, self.killed, self.results = run, 0, []
         self.client = ActionClient(run.player, ExecuteSequence, ACTION)
-        self.again, self.asked = None, 0.0
+        self.release = run.player.create_publisher(String, "/htmpc/release", STREAM)
+        self.again, self.asked, self.held = None, 0.0, 0
 
     def __call__(self):
         """Do what is due; raises EnoughSeenError at the end."""
         player, now = self.run.player, time.monotonic()
-        if not self.killed and player.tick >= 250:
+        if not self.killed and player.tick >= 210:
             self.killed = player.tick
             os.kill(self.run.process("htmpc").pid, signal.SIGKILL)
             given = ["--ros-args", "-p", f"scenario:={self.run.out / 'scenario.yaml'}"]
             given += ["-p", "peers:=hqp_controller"]
             self.again = self.run.supervisor.start("htmpc_again", PLANNERS["htmpc"], given)
-        rested = self.killed and player.tick >= self.killed + 250
+        rested = self.killed and player.tick >= self.killed + 215
         # The dead server is seen for a while longer, and what is sent to it is lost: ask again.
         if rested and not self.results and now > self.asked + 2.0 and self.again.printed(READY):
             self.asked = now
-            self.client.send_goal_async(self.goal()).add_done_callback(self.accepted)
+            future = self.client.send_goal_async(self.goal(), feedback_callback=self.feedback)
+            future.add_done_callback(self.accepted)
+        if self.held > 20:
+            self.release.publish(String(data="robot_a/wait"))
         status = player.transition
         if any(result.success for result in self.results) and status.to_stack == "posture":
             raise EnoughSeenError
 
     def goal(self):
-        """Return a short drive."""
-        task = SequenceTask("again", "base_position", ((0.5, 0.0),), speed=0.3, tolerance=0.05)
-        return ExecuteSequence.Goal(robot="robot_a", tasks=[task_message(task)])
+        """Return a short drive, and a wait for a release."""
+        drive = SequenceTask("again", "base_position", ((0.5, 0.0),), speed=0.3, tolerance=0.05)
+        wait = dataclasses.replace(drive, name="wait", held=True)
+        return ExecuteSequence.Goal(robot="robot_a", tasks=list(map(task_message, (drive, wait))))
+
+    def feedback(self, message):
+        """Count the plans for which the second task has waited."""
+        status = message.feedback.status
+        self.held += status.task == "wait" and status.error < 0.05
 
     def accepted(self, future):
         """Wait for the result."""
@@ -152,11 +168,11 @@ class KillAndAskAgain:
 
 
 def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequence_is_taken(tmp_path):
-    with running(scenario(duration=90.0, mode="realtime"), tmp_path) as run:
+    with running(scenario("deliver-one", duration=90.0, mode="realtime"), tmp_path) as run:
         watch = KillAndAskAgain(run)
         with pytest.raises(EnoughSeenError):
             run.play(watch)
-    states = of_robot_a(tmp_path)
+    states = transitions(tmp_path, "robot_a")
     lost = next(m for m in states if "the MPC lost at tick" in m.reason)
     assert lost.tick >= watch.killed - 10
     assert "come to rest" in lost.reason
@@ -168,3 +184,4 @@ def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequence_is_taken(tmp_pat
     assert largest_acceleration(tmp_path) <= 1.0 + 1e-6
     after = [m.source for m in states if m.id > lost.id and m.to_stack == "plan_robot_a"]
     assert "htmpc" in after, "A follows again"
+    assert watch.held > 20, "held until released by topic"

@@ -38,6 +38,19 @@ def test_a_stack_for_other_robots_is_left_out(tmp_path):
     assert "track" in load_scenario(path).stacks
 
 
+def test_a_stack_with_limits_for_another_kind_of_robot_is_left_out(tmp_path):
+    limits = "limits: {robot_a: {elbow_joint: {position: [-1.0, 1.0]}}}\n"
+    path = folder(tmp_path, some=HEAD + LEVELS + limits)
+    known = load_scenario(path).stacks
+    assert "some" not in known
+    assert "confined" in known, "it names joints of these robots"
+    others = load_scenario(CONFIG / "scenarios/delivery.yaml").stacks
+    assert "confined" not in others
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("initial_stack: track", "initial_stack: some"), encoding="utf-8")
+    assert "some" in load_scenario(path).stacks, "what is asked for is not left out in silence"
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [

@@ -8,6 +8,7 @@ from typing import TypeVar
 
 import yaml
 
+from lexstack_core.config.checks import shown
 from lexstack_core.config.htmpc import HtmpcConfig, load_htmpc
 from lexstack_core.config.reader import build, parse_yaml, plain, read_yaml
 from lexstack_core.config.robot import RobotConfig
@@ -56,7 +57,8 @@ class ResolvedScenario:
 def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
     """Return a scenario file with its robots and the stacks of the configuration folder.
 
-    A stack that names robots which the scenario has not is left out.
+    A stack that names robots which the scenario has not is left out, as is one whose limits are
+    for another kind of robot.
 
     Args:
         path: the scenario's file.
@@ -67,13 +69,14 @@ def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
     """
     folder = path.resolve().parent.parent if config is None else config
     scenario = build(ScenarioConfig, read_yaml(path), str(path))
+    robots = {
+        model: load_robot(folder / "robots" / f"{model}.yaml")
+        for model in dict.fromkeys(place.model for place in scenario.robots.values())
+    }
     resolved = ResolvedScenario(
         scenario,
-        {
-            model: load_robot(folder / "robots" / f"{model}.yaml")
-            for model in dict.fromkeys(place.model for place in scenario.robots.values())
-        },
-        _fitting(scenario, load_stacks(folder / "stacks"), str(path)),
+        robots,
+        _fitting(scenario, load_stacks(folder / "stacks"), robots, str(path)),
         _parameters(folder / "htmpc", scenario),
     )
     resolved.validate(str(path))
@@ -81,13 +84,17 @@ def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
 
 
 def _fitting(
-    scenario: ScenarioConfig, stacks: dict[str, StackConfig], where: str
+    scenario: ScenarioConfig,
+    stacks: dict[str, StackConfig],
+    robots: dict[str, RobotConfig],
+    where: str,
 ) -> dict[str, StackConfig]:
     """Return the stacks whose robots a scenario has; raise ConfigurationError if it needs others.
 
     Args:
         scenario: with its robots, and the stacks that it names.
         stacks: of the configuration folder.
+        robots: by model name.
         where: the scenario's file.
     """
     wanted = {scenario.initial_stack, *(event.switch for event in scenario.events)}
@@ -95,13 +102,25 @@ def _fitting(
     for name, stack in stacks.items():
         absent = [robot for robot in stack.named if robot not in scenario.robots]
         if not absent:
-            fitting[name] = stack
+            if name in wanted or not _for_others(stack, scenario, robots):
+                fitting[name] = stack
         elif name in wanted:
             raise ConfigurationError(
                 f"{where}: stack {name!r} names robots that the scenario has not: "
                 f"{', '.join(absent)}"
             )
     return fitting
+
+
+def _for_others(
+    stack: StackConfig, scenario: ScenarioConfig, robots: dict[str, RobotConfig]
+) -> bool:
+    """Return whether a stack limits joints of a robot of which that has not a single one."""
+    for name, limits in stack.limits.items():
+        arm = robots[scenario.robots[name].model].arm.joints
+        if limits and not any(joint in arm or joint.startswith("base_") for joint in limits):
+            return True
+    return False
 
 
 def _parameters(folder: Path, scenario: ScenarioConfig) -> dict[str, HtmpcConfig]:
@@ -128,11 +147,11 @@ def load_stacks(folder: Path) -> dict[str, StackConfig]:
 def _named(config: T, path: Path) -> T:
     """Return ``config`` if it bears its file's name."""
     if config.name != path.stem:
-        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {config.name!r}")
+        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(config.name)}")
     return config
 
 
 def _known(where: str, name: str, known: dict[str, T]) -> None:
     """Raise ConfigurationError unless ``name`` is a key of ``known``."""
     if name not in known:
-        raise ConfigurationError(f"{where}: unknown {name!r}; known: {', '.join(sorted(known))}")
+        raise ConfigurationError(f"{where}: unknown {shown(name)}; known: {', '.join(sorted(known))}")

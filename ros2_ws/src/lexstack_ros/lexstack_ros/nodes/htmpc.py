@@ -40,7 +40,7 @@ class HtmpcNode(Node):
     """Action, topics and service around the core's SequenceRunner; no mathematics here."""
 
     def __init__(self) -> None:
-        """Build an optimiser for each robot that sequences name; raises LexstackError."""
+        """Build optimisers for the robots that sequences name, or for all; raises LexstackError."""
         super().__init__("htmpc")
         self._resolved = scenario_parameter(self)
         scenario = self._resolved.scenario
@@ -55,8 +55,8 @@ class HtmpcNode(Node):
         self._meter = Meter()
         self._failures = 0
         self._runners: dict[int, SequenceRunner] = {}
-        robots = {self._team.index(entry.robot) for entry in scenario.sequences.values()}
-        for robot in sorted(robots):
+        named = {entry.robot for entry in scenario.sequences.values()}
+        for robot in sorted(map(self._team.index, named or scenario.robots)):
             self._runner(robot)
         self._plan_out = self.create_publisher(JointTrajectory, PLAN, STREAM)
         self._status_out = self.create_publisher(SequenceStatus, "/htmpc/status", STREAM)
