@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lexstack_core.bounds import JointLimits
+from lexstack_core.config.checks import shown
 from lexstack_core.config.stack import JointLimitConfig, StackConfig, TaskConfig
 from lexstack_core.errors import ConfigurationError
 from lexstack_core.linear import LinearTask
@@ -169,7 +170,8 @@ def _check_within(where: str, name: str, value: float, own: float) -> None:
 def _known(where: str, kind: str, name: str, known: tuple[str, ...]) -> None:
     """Raise ConfigurationError unless ``name`` is one of the known."""
     if name not in known:
-        raise ConfigurationError(f"{where}: unknown {kind} {name!r}; known: {', '.join(known)}")
+        listed = ", ".join(known)
+        raise ConfigurationError(f"{where}: unknown {kind} {shown(name)}; known: {listed}")
 
 
 def _check_names(stack: str, levels: list[Level]) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from lexstack_core.config.checks import not_negative, positive
+from lexstack_core.config.checks import not_negative, positive, shown
 from lexstack_core.config.reader import build, read_yaml
 from lexstack_core.errors import ConfigurationError
 
@@ -147,5 +147,5 @@ def load_htmpc(path: Path) -> HtmpcConfig:
     """Return one file of ``config/htmpc``; raises ConfigurationError with file and key."""
     config = build(HtmpcConfig, read_yaml(path), str(path))
     if config.name != path.stem:
-        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {config.name!r}")
+        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(config.name)}")
     return config

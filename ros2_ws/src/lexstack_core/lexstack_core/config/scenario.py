@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from lexstack_core.config.checks import at_most, finite, names, not_negative, positive
+from lexstack_core.config.checks import at_most, finite, names, not_negative, positive, shown
 from lexstack_core.config.plant import PlantConfig
 from lexstack_core.config.robot import Vector3
 from lexstack_core.config.sequence import SequenceChangeConfig, SequenceConfig
@@ -208,7 +208,7 @@ class ScenarioConfig:
                 if name not in self.sequences:
                     known = ", ".join(self.sequences) or "none"
                     raise ConfigurationError(
-                        f"{where}: events[{i}].execute: unknown {name!r}; known: {known}"
+                        f"{where}: events[{i}].execute: unknown {shown(name)}; known: {known}"
                     )
         for key, by_robot in [*targets, *pushed, *planned]:
             for robot in by_robot:

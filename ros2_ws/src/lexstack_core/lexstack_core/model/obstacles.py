@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from lexstack_core.config.checks import shown
 from lexstack_core.config.scenario import ObstacleConfig
 from lexstack_core.errors import ConfigurationError
 from lexstack_core.linear import Matrix, Vector
@@ -44,7 +45,7 @@ class Obstacles:
         """Return an obstacle's place; raises ConfigurationError listing the known."""
         if name not in self.names:
             known = ", ".join(self.names) or "none"
-            raise ConfigurationError(f"unknown obstacle {name!r}; known: {known}")
+            raise ConfigurationError(f"unknown obstacle {shown(name)}; known: {known}")
         return self.names.index(name)
 
     def at(self, stamp: float) -> Matrix:

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from lexstack_core.config.checks import shown
 from lexstack_core.config.robot import SphereConfig
 from lexstack_core.errors import ModelError
 from lexstack_core.linear import Matrix, Vector
@@ -136,7 +137,7 @@ def _sums(joints: list[int], centers: list[Vector]) -> tuple[Matrix, Matrix]:
 def _placed(config: SphereConfig, model: pin.Model, where: str) -> tuple[int, Vector]:
     """Return the joint that carries a sphere, and its center in that joint's frame, shape (3,)."""
     if not model.existFrame(config.link, pin.FrameType.BODY):
-        raise ModelError(f"{where}: no link {config.link!r}")
+        raise ModelError(f"{where}: no link {shown(config.link)}")
     frame = model.frames[model.getFrameId(config.link, pin.FrameType.BODY)]
     return frame.parentJoint, frame.placement.act(np.array(config.xyz))
 
