@@ -32,6 +32,7 @@ from lexstack_ros.recording import message_class
 
 NAME = "replay"
 _SETTLED = 1.0  # s for which all connections must have been there
+_JOINED = 2.0  # s for which nobody has joined; a listener knows us a little after we know it
 _NS = 1e9
 _UNANSWERED = 0.002  # s after a state that nobody answers: a live node shall keep up
 _OWN = ("/rosout", "/parameter_events")  # of the recorded nodes, not for live ones
@@ -113,9 +114,12 @@ class BagPlayer(Node):
         return tuple(self._publishers_by_topic)
 
     def wait_connected(self) -> None:
-        """Wait until the live node is there and connected; raises BagError."""
+        """Wait until the live node is there and connected; raises BagError.
+
+        Without one, wait for whoever listens: until nobody has joined for a while.
+        """
         if self._live is None:
-            self._spin(_SETTLED)
+            self._wait_settled()
             return
         peers, since = [self._live.node], time.monotonic()
         end = since + self._patience
@@ -244,6 +248,16 @@ class BagPlayer(Node):
             if time.monotonic() > end:
                 raise BagError(f"{client.srv_name}: no answer in {self._patience:g} s")
         return future.result()
+
+    def _wait_settled(self) -> None:
+        """Wait until the number of subscriptions has not changed for ``_JOINED``."""
+        since = time.monotonic()
+        end, listeners = since + self._patience, -1
+        while (now := time.monotonic()) - since < _JOINED and now < end:
+            self._executor.spin_once(timeout_sec=0.1)
+            present = sum(p.get_subscription_count() for p in self._publishers_by_topic.values())
+            if present != listeners:
+                since, listeners = now, present
 
     def _spin(self, seconds: float) -> None:
         """Take what comes for some time."""
