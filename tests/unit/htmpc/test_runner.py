@@ -111,6 +111,29 @@ def test_a_target_that_moves_is_reached_where_it_is_now(runner):
     assert np.linalg.norm(tool - goal) < 0.02
 
 
+@pytest.mark.parametrize("blend", [0.0, 0.6])
+def test_a_gap_that_robot_a_still_carries_is_not_taken_into_the_plans(runner, blend):
+    runner._blend = blend  # as given when it is made
+    gap = np.zeros(10)
+    gap[[0, 5]] = 0.08, 0.3  # m/s, rad/s: what a blend begins with
+    state, before, kicks = start(runner), None, []
+    for _ in range(100):
+        if state.tick % EVERY == 0:
+            plan = runner.step(state).plan
+            if before is not None:
+                kicks.append(np.abs(plan.v[0] - before.sample(state.stamp)[1]).max())
+            before = plan
+        fades = max(0.0, 1.0 - (state.stamp + DT) / 0.6)
+        v = state.command.copy()
+        v[:10] = plan.sample(state.stamp + DT)[1] + fades * gap
+        q = state.q + DT * v
+        state = RobotState(state.tick + 1, state.stamp + DT, q, v, q, v)
+    runner._blend = 0.0
+    within, after = kicks[:11], kicks[12:]
+    assert max(after) < 1e-9, "then plans begin with the command, which is the plan"
+    assert (max(within) < 1e-9) == (blend > 0.0)
+
+
 def test_tasks_are_inserted_and_cancelled(runner):
     state = start(runner)
     more = SequenceTask("more", "base_position", ((0.4, 0.0),), tolerance=0.05)

@@ -13,9 +13,16 @@ from typing import Any, Generic, Literal, Protocol, TypeVar
 
 import numpy as np
 
-from lexstack_bag.run import ChiStream, PlantStream, TransitionStream, read_only
+from lexstack_bag.run import (
+    ChiStream,
+    PlanStream,
+    PlantStream,
+    ProgressStream,
+    TransitionStream,
+    read_only,
+)
 
-T = TypeVar("T", PlantStream, ChiStream, TransitionStream)
+T = TypeVar("T", PlantStream, ChiStream, TransitionStream, PlanStream, ProgressStream)
 
 Keep = Literal["first", "last", "all"]
 

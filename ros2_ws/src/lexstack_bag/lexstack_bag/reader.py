@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 from collections import defaultdict
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from lexstack_bag.columns import StreamBuilder, seconds
 from lexstack_bag.container import Container, Progress, RawMessage, find_files
 from lexstack_bag.errors import BagError
 from lexstack_bag.loss import LossCounter
+from lexstack_bag.planning import PlanningCollector
 from lexstack_bag.references import is_usable
 from lexstack_bag.run import (
     ChiStream,
@@ -105,6 +107,7 @@ class _Collector:
         self._chi = {
             f"/{controller}/chi": StreamBuilder(ChiStream, n, "last") for controller in CONTROLLERS
         }
+        self._planning = PlanningCollector(resolved.scenario.robots, resolved.scenario.rate)
         self._targets: list[Target] = []
         self._requested: list[tuple[int, Any]] = []  # time of sending [ns], message
         self._commanded: tuple[array[int], array[int]] = array("q"), array("q")  # time, tick
@@ -132,7 +135,7 @@ class _Collector:
             self._transition.add(self._decode(message))
         elif topic == REQUEST:
             self._requested.append((message.publish_time, self._decode(message)))
-        else:
+        elif not self._planning.add(topic, partial(self._decode, message), message.publish_time):
             self._add_target(message)
 
     def run(self, path: Path, facts: dict[str, str], container: Container) -> Run:
@@ -157,12 +160,14 @@ class _Collector:
                 for topic, builder in self._chi.items()
                 if builder.replaced is not None
             },
+            self._planning.build(),
         )
 
     def _begin_anew(self) -> None:
         """Forget what a reset of the plant makes void: requests, and references set by users."""
         self._requested.clear()
         self._targets.clear()
+        self._planning.begin_anew()
 
     def _add_target(self, message: RawMessage) -> None:
         """Take a reference: it holds from its stamp on, or at once if that has passed."""
@@ -189,9 +194,9 @@ class _Collector:
         for sent, message in sorted(self._requested, key=lambda entry: entry[0]):
             before = int(np.searchsorted(times, sent))
             after = int(ticks[before - 1]) if before else -1
-            found.append(
-                StackRequested(after, message.id, message.stack, message.start_tick, message.active)
-            )
+            robots = tuple(getattr(message, "robots", ()))  # older bags have none
+            entry = message.id, message.stack, message.start_tick, message.active, robots
+            found.append(StackRequested(after, *entry))
         return tuple(found)
 
 

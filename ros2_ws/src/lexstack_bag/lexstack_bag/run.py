@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.htmpc import SequenceTask
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
 
@@ -124,6 +125,59 @@ class StackRequested:
     stack: str
     start_tick: int
     active: bool  # False: no longer to be solved
+    robots: tuple[str, ...] = ()  # names of those that shall go there; empty: all that it moves
+
+
+@dataclass(frozen=True, slots=True)
+class PlanStream:
+    """``/htmpc/plan`` of one robot of n joints, one row per plan in the order of sending.
+
+    A plan has m states; it is told by its velocities, as its accelerations follow from them.
+    """
+
+    tick: Integers  # (T,) of the state that it starts from
+    stamp: Vector  # (T,) s
+    times: Ragged  # (T, m) s after the stamp
+    velocity: Matrix  # (T, m n) the states' velocities one after another, m/s and rad/s
+    sent: Integers  # (T,) ns since 1970, by the sender's clock
+
+
+@dataclass(frozen=True, slots=True)
+class ProgressStream:
+    """``/htmpc/status`` of one robot, one row per plan."""
+
+    tick: Integers  # (T,)
+    stamp: Vector  # (T,) s
+    architecture: Strings  # (T,) ht or st
+    index: Integers  # (T,) place of the first task that is not done
+    count: Integers  # (T,) of all tasks
+    task: Strings  # (T,) name of the first task that is not done
+    error: Vector  # (T,) m, from its goal
+    error_angle: Vector  # (T,) rad
+    errors: Ragged  # (T, L) m, of each level from its reference
+    solved: Integers  # (T,) whether no level failed
+    solve_time: Vector  # (T,) s, wall clock
+
+
+@dataclass(frozen=True, slots=True)
+class SequenceEvent:
+    """One ``/htmpc/sequence``: what became of a robot's sequence at a state of the plant."""
+
+    sent: int  # ns since 1970, by the sender's clock
+    tick: int  # of the state
+    architecture: str  # ht or st
+    event: str  # begin, replace, release, retarget, insert, cancel, end
+    changed: str  # name of the task that a change is about
+    tasks: tuple[SequenceTask, ...]  # after it; empty: there is none any more
+
+
+@dataclass(frozen=True, slots=True)
+class Planning:
+    """What the HTMPC did for one robot."""
+
+    plans: PlanStream
+    progress: ProgressStream
+    events: tuple[SequenceEvent, ...]  # in the order of sending
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +197,7 @@ class Run:
     requested: tuple[StackRequested, ...] = ()  # in the order in which they were sent
     # as ``chi``, in the order of arrival: what another message of the same tick followed
     replaced: dict[str, ChiStream] = field(default_factory=dict)
+    planning: dict[str, Planning] = field(default_factory=dict)  # by robot, of those with plans
 
     @property
     def period(self) -> float:

@@ -42,6 +42,7 @@ class Following:
         self._team = team
         self._known = resolved.stacks
         self._initial = resolved.scenario.initial_stack
+        self._blend = resolved.scenario.transition.duration
         self._on_answer = on_answer
         self._asked: dict[Future, tuple[Job, bool, float]] = {}
         self._now: dict[str, str] = {}  # by robot: the stack that it is on or goes to
@@ -74,8 +75,12 @@ class Following:
 
     def _ask(self, job: Job, stack: str, at_tick: int, *, back: bool) -> None:
         """Send a request for the job's robot."""
+        # The duration is given: plans know until when robot A is still on its way to them.
         request = SwitchStack.Request(
-            stack=stack, at_tick=at_tick, robots=[self._team.names[job.robot]]
+            stack=stack,
+            duration=self._blend,
+            at_tick=at_tick,
+            robots=[self._team.names[job.robot]],
         )
         future = self._client.call_async(request)
         self._asked[future] = job, back, time.monotonic() + _ANSWER

@@ -18,8 +18,10 @@ from lexstack_bag.errors import BagError
 from lexstack_bag.progress import ProgressBar
 from lexstack_bag.reader import read_run
 from lexstack_bag.replay.changes import Changes
-from lexstack_bag.replay.nodes import REPLAYERS, Question
+from lexstack_bag.replay.nodes import REPLAYERS, recorded_nodes
 from lexstack_bag.replay.outcome import Outcome
+from lexstack_bag.replay.planner import PLANNER
+from lexstack_bag.replay.question import Question
 from lexstack_bag.run import Run
 from lexstack_core.errors import LexstackError
 
@@ -32,20 +34,20 @@ def replay(bag: Path, changes: Changes, nodes: Sequence[str] = ()) -> tuple[Run,
     Args:
         bag: a run folder, a bag folder or an .mcap file.
         changes: what shall be other than it was.
-        nodes: keys of REPLAYERS; empty: all that have a chi in the bag.
+        nodes: keys of REPLAYERS; empty: all that have a chi or plans in the bag.
 
     Raises:
         BagError: the bag cannot be read; ConfigurationError: a change makes no sense.
     """
     run = read_run(bag, ProgressBar("reading"))
     resolved = changes.applied(run.resolved)
-    outcomes = []
-    for node in nodes or REPLAYERS:
-        if node in run.chi and len(run.chi[node].tick):
-            bar = ProgressBar(f"replaying {node}")
-            outcomes.append(REPLAYERS[node](Question(run, changes, resolved, bar)))
-        elif nodes:
-            raise BagError(f"{bag}: holds no chi of {node}")
+    outcomes, recorded = [], recorded_nodes(run)
+    for node in nodes or recorded:
+        if node not in recorded:
+            what = "plan" if node == PLANNER else "chi"
+            raise BagError(f"{bag}: holds no {what} of {node}")
+        bar = ProgressBar(f"replaying {node}")
+        outcomes.append(REPLAYERS[node](Question(run, changes, resolved, bar)))
     if not outcomes:
         raise BagError(f"{bag}: holds no chi of {' or '.join(REPLAYERS)}")
     return run, outcomes

@@ -13,7 +13,7 @@ from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.errors import ConfigurationError
 from lexstack_core.transition.methods import METHODS
 
-_ROOTS = ("scenario", "robots", "stacks")
+_ROOTS = ("scenario", "robots", "stacks", "htmpc")
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,8 @@ class Changes:
 
     Attributes:
         settings: ``KEY=VALUE`` each, KEY a path of names and numbers with dots between them, from
-            ``scenario``, ``robots`` or ``stacks``, or from inside the scenario; VALUE is YAML.
+            ``scenario``, ``robots``, ``stacks`` or ``htmpc``, or from inside the scenario; VALUE is
+            YAML.
         method: of all transitions; empty: as recorded.
         stack: ``NAME``: every switch goes there; ``OLD=NEW``: those to OLD; empty: as recorded.
         solver: of all problems; empty: as recorded.

@@ -9,45 +9,29 @@ positions and velocities, and q*, stay the recorded ones.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
-from lexstack_bag.container import Progress
 from lexstack_bag.measures import COMMANDER
-from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.outcome import Outcome, joints_of
+from lexstack_bag.replay.planner import PLANNER, heard_plans, replay_planner
+from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.requests import Ask, Cancel, requests_of
 from lexstack_bag.replay.states import EVER, Arrivals, States, all_of, begun_at, targets_of
 from lexstack_bag.run import ChiStream, Run, SolveStatus
 from lexstack_core.build import Parts, build_controller, build_references, build_stack_solver
-from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.controller import Controller
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.references import ReferenceSchedule, Target
 from lexstack_core.state import RobotState
 from lexstack_core.transition.status import Announcement, SourceSample, SourceSchedule
 
+__all__ = ["REPLAYERS", "Question", "recorded_nodes", "replay_controller", "replay_solver"]
+
 SOLVER = "robot_b"
 """Whose chi robot B sends."""
-
-
-@dataclass(frozen=True, slots=True)
-class Question:
-    """What to replay.
-
-    Attributes:
-        run: the recorded run.
-        changes: what shall be other than it was.
-        resolved: the scenario with the changes made.
-        progress: told how much is done, from 0 to 1.
-    """
-
-    run: Run
-    changes: Changes
-    resolved: ResolvedScenario
-    progress: Progress = lambda _part: None
 
 
 def replay_solver(question: Question) -> Outcome:
@@ -75,14 +59,15 @@ def replay_solver(question: Question) -> Outcome:
 def replay_controller(question: Question) -> Outcome:
     """Return what robot A commands for the recorded states, requests and answers of robot B.
 
-    With changes robot B is replayed as well: it solves what the replayed A asks for.
+    With changes robot B is replayed as well: it solves what the replayed A asks for. Plans of the
+    HTMPC are the recorded ones.
     """
     run, chi = question.run, question.run.chi[COMMANDER]
     parts = Parts.of(question.resolved)
     controller = build_controller(question.resolved, parts)
     states = States(run)
     ticks = states.between(int(chi.tick[0]), int(chi.tick[-1])) if len(chi.tick) else []
-    targets = targets_of(run, parts.team)
+    targets, plans = targets_of(run, parts.team), heard_plans(run, parts.team)
     begun = dict(zip(chi.tick.tolist(), begun_at(chi).tolist(), strict=True))
     user = _User(requests_of(run, question.changes, question.resolved))
     source = _LiveSource(question, parts) if question.changes else _RecordedSource(run)
@@ -97,6 +82,8 @@ def replay_controller(question: Question) -> Outcome:
         for target in targets.until(now):
             controller.references.add(target)
             source.references.add(target)
+        for plan in plans.until(now):
+            controller.transition.hear_plan(plan)
         source.answer(controller, state, now)
         sent = replayed[place] = controller.tick(state).chi
         source.hear(controller.transition.take_announcements())
@@ -119,7 +106,11 @@ class _User:
                 controller.transition.cancel()
             else:
                 controller.transition.ask(
-                    request.stack, request.duration, request.method, request.at_tick
+                    request.stack,
+                    request.duration,
+                    request.method,
+                    request.at_tick,
+                    request.robots,
                 )
             source.hear(controller.transition.take_announcements())
 
@@ -189,6 +180,7 @@ class _LiveSource:
     def __init__(self, question: Question, parts: Parts) -> None:
         """Build it."""
         self._team = parts.team
+        self._stacks = parts.stacks
         self._solver = build_stack_solver(question.resolved, parts)
         self._schedule = SourceSchedule()
         self.references: ReferenceSchedule = _references(question, parts)
@@ -201,6 +193,8 @@ class _LiveSource:
     def answer(self, controller: Controller, state: RobotState, _now: int) -> None:
         """Solve for a state, if a stack is asked for."""
         for wanted in self._schedule.current(state.tick):
+            if self._stacks[wanted.stack].planned:
+                continue  # the HTMPC's
             kinematics = self._team.kinematics(state)
             references = self.references.at(state.stamp)
             solution = self._solver.solve(wanted.stack, kinematics, references)
@@ -239,5 +233,13 @@ def _compared(run: Run, parts: Parts, ticks: list[int], replayed: Matrix) -> Out
 REPLAYERS: dict[str, Callable[[Question], Outcome]] = {
     COMMANDER: replay_controller,
     SOLVER: replay_solver,
+    PLANNER: replay_planner,
 }
 """By the name in the node's topic; whoever adds a node adds its replay here."""
+
+
+def recorded_nodes(run: Run) -> tuple[str, ...]:
+    """Return the nodes of which a bag has something to replay."""
+    found = [name for name, chi in run.chi.items() if len(chi.tick)]
+    planned = any(len(planning.plans.tick) for planning in run.planning.values())
+    return tuple(name for name in REPLAYERS if name in found or (name == PLANNER and planned))

@@ -1,4 +1,4 @@
-"""What a replay found: where chi is another than the recorded one, and by how much."""
+"""What a replay found: where chi, or a plan, is another than the recorded one, and by how much."""
 
 from __future__ import annotations
 
@@ -35,15 +35,16 @@ def joints_of(team: Team) -> tuple[Joint, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """One node's chi, recorded and replayed, tick by tick.
+    """One node's chi, or its plans, recorded and replayed, tick by tick.
 
     Attributes:
-        node: whose chi it is, by its topic: robot_a, robot_b.
+        node: whose it is, by its topic: robot_a, robot_b, htmpc.
         joints: names and units, n of them.
         tick: shape (T,).
         stamp: simulated time, shape (T,) [s].
         recorded: shape (T, n); rows of nan: there was none.
         replayed: shape (T, n).
+        what: chi, or plan: then n are the joints at all states of a horizon.
     """
 
     node: str
@@ -52,6 +53,7 @@ class Outcome:
     stamp: Vector
     recorded: Matrix
     replayed: Matrix
+    what: str = "chi"
 
     @property
     def different(self) -> NDArray[np.bool_]:
@@ -101,7 +103,7 @@ class Outcome:
         """Return the finding in one line."""
         count = len(self.tick)
         if not count:
-            return f"{self.node}: no chi recorded"
+            return f"{self.node}: no {self.what} recorded"
         if self.identical:
             return f"{self.node}: identical over all {count} ticks"
         at = float(self.stamp[np.flatnonzero(self.different)[0]])

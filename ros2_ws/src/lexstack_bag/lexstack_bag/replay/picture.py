@@ -47,7 +47,9 @@ def _draw(outcome: Outcome, unit: str, above: Axes, below: Axes) -> None:
     apart = np.abs(outcome.replayed - outcome.recorded)[:, mine]
     known = np.where(np.isfinite(apart), apart, 0.0)
     worst = int(mine[known.max(axis=0).argmax()])
-    gaps = np.flatnonzero(np.diff(outcome.tick) > 1) + 1
+    steps = np.diff(outcome.tick)
+    usual = int(steps.min(initial=1 << 62))  # the HTMPC plans every few ticks
+    gaps = np.flatnonzero(steps > usual) + 1
     stamp = np.insert(outcome.stamp, gaps, np.nan)  # a line shall not lead across a gap
 
     def line(axes: Axes, values: Vector, color: str, style: str, label: str) -> None:
@@ -55,8 +57,9 @@ def _draw(outcome: Outcome, unit: str, above: Axes, below: Axes) -> None:
         axes.plot(stamp, broken, color=color, linestyle=style, linewidth=1.0, label=label)
 
     line(above, known.max(axis=1), _REPLAYED, "-", "")
-    above.set_ylabel(f"largest |Δχ| [{unit}]")
-    above.set_title(f"{outcome.node}: difference from the recorded χ", fontsize=9, loc="left")
+    symbol, what = ("χ", "χ") if outcome.what == "chi" else ("v", outcome.what)
+    above.set_ylabel(f"largest |Δ{symbol}| [{unit}]")
+    above.set_title(f"{outcome.node}: difference from the recorded {what}", fontsize=9, loc="left")
     first = outcome.first
     if first is not None:
         at = float(outcome.stamp[outcome.tick == first][0])
@@ -64,7 +67,7 @@ def _draw(outcome: Outcome, unit: str, above: Axes, below: Axes) -> None:
         above.legend(fontsize=8, loc="upper right")
     line(below, outcome.recorded[:, worst], _RECORDED, "-", "recorded")
     line(below, outcome.replayed[:, worst], _REPLAYED, "--", "replayed")
-    below.set_ylabel(f"χ [{unit}]")
+    below.set_ylabel(f"{symbol} [{unit}]")
     below.set_title(f"{outcome.node}: {outcome.joints[worst].name}", fontsize=9, loc="left")
     below.legend(fontsize=8, loc="upper right")
     for axes in (above, below):

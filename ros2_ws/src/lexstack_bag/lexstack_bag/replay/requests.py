@@ -31,6 +31,7 @@ class Ask:
         at_tick: when to begin.
         duration: of the blend [s]; 0: as configured.
         method: empty: as configured.
+        robots: names of those that shall go; empty: all that the stack moves.
     """
 
     after: int
@@ -39,6 +40,7 @@ class Ask:
     at_tick: int
     duration: float
     method: str
+    robots: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +106,9 @@ def _reconstructed(run: Run, begun: Collection[int]) -> Iterator[Ask | Cancel]:
         asks = []
         for message in messages:
             if message.active and message.id not in known | own:
-                asks.append(Ask(after, message.id, message.stack, message.start_tick, 0.0, ""))
+                robots = _some(run, message)
+                entry = after, message.id, message.stack, message.start_tick
+                asks.append(Ask(*entry, 0.0, "", robots))
             known.add(message.id)
         if after not in cancelled:
             yield from asks
@@ -113,6 +117,13 @@ def _reconstructed(run: Run, begun: Collection[int]) -> Iterator[Ask | Cancel]:
         yield from (ask for ask in asks if ask.id in ended)
         yield Cancel(after)
         yield from (ask for ask in asks if ask.id not in ended)
+
+
+def _some(run: Run, message: StackRequested) -> tuple[str, ...]:
+    """Return the robots that a request is for, empty if those are all that its stack moves."""
+    stack = run.resolved.stacks.get(message.stack)
+    moved = (stack.robots if stack is not None else ()) or run.robots
+    return () if set(message.robots) == set(moved) else message.robots
 
 
 def _cancelled_after(run: Run) -> set[int]:

@@ -21,6 +21,8 @@ from lexstack_core.linear import Vector
 from lexstack_core.model import Team
 from lexstack_core.state import RobotState
 
+_ROUNDING = 1e-9  # s
+
 ARCHITECTURES: dict[str, Architecture] = {"ht": HT_ARCH, "st": ST_ARCH}
 """By the names that goals and files use."""
 
@@ -69,8 +71,15 @@ class SequenceRunner:
         sequence: under way, or None.
     """
 
-    def __init__(self, team: Team, robot: int, config: HtmpcConfig) -> None:
-        """Generate the optimiser's code, which takes a moment; raises ModelError."""
+    def __init__(self, team: Team, robot: int, config: HtmpcConfig, blend: float = 0.0) -> None:
+        """Generate the optimiser's code, which takes a moment; raises ModelError.
+
+        Args:
+            team: the robots.
+            robot: its place.
+            config: parameters of the MPC.
+            blend: from a sequence's begin, how long robot A takes until it follows exactly [s].
+        """
         self.robot = robot
         self.sequence: Sequence | None = None
         self._team = team
@@ -79,6 +88,8 @@ class SequenceRunner:
         self._others = [i for i in range(len(team.robots)) if i != robot]
         self._optimiser = Htmpc(self._model, config)
         self._plan: Plan | None = None
+        self._blend = blend
+        self._follows = 0.0  # s, the time from which on robot A follows exactly
 
     def present(self, state: RobotState) -> Present:
         """Return where the robot is."""
@@ -89,6 +100,7 @@ class SequenceRunner:
     ) -> None:
         """Begin a sequence at a state, in place of another one; raises InputError."""
         self.sequence = Sequence.begin(tasks, architecture, self.present(state))
+        self._follows = state.stamp + self._blend
 
     def kind_of(self, name: str) -> Kind:
         """Return the kind of a task of the sequence; raises InputError for an unknown one."""
@@ -121,8 +133,10 @@ class SequenceRunner:
     def step(self, state: RobotState) -> Progress:
         """Return plan and progress at a state.
 
-        Poses are the measured ones; the velocity is the command in force, which robot A changes
-        within its limits from tick to tick: the plan goes on from there.
+        Poses are the measured ones. The velocity is the command in force, which robot A changes
+        within its limits from tick to tick: the plan goes on from there. While robot A still blends
+        into the plan, its command is off it by a gap that fades; a plan that began there would add
+        the gap once more each time. So until then the plan before goes on.
 
         Raises:
             InputError: no sequence is under way.
@@ -132,7 +146,7 @@ class SequenceRunner:
         present = self.present(state)
         sequence = self.sequence = self.sequence.advanced(present)
         times = state.stamp + self._optimiser.horizon.times[1:]
-        start = Start(state.stamp, state.q[self._part], state.command[self._part])
+        start = Start(state.stamp, state.q[self._part], self._velocity(state))
         around = self._surroundings(state, times)
         plan = self._optimiser.solve(start, sequence.objectives(times), self._plan, around)
         self._plan = plan if plan.solved else None
@@ -142,6 +156,13 @@ class SequenceRunner:
             for task, trajectory in zip(sequence.window, sequence.trajectories, strict=True)
         )
         return Progress(sequence, plan, sequence.errors(present), tracking)
+
+    def _velocity(self, state: RobotState) -> Vector:
+        """Return the velocity that a plan begins with, shape (n of the robot,)."""
+        before = self._plan
+        if before is None or not state.stamp < min(self._follows - _ROUNDING, before.end):
+            return state.command[self._part]
+        return before.sample(state.stamp)[1]
 
     def _surroundings(self, state: RobotState, times: Vector) -> Surroundings | None:
         """Return obstacles where they will be, and the other robots' spheres where they are."""

@@ -208,8 +208,9 @@ class HtmpcNode(Node):
     def _runner(self, robot: int) -> SequenceRunner:
         """Return a robot's optimiser, made when first needed."""
         if robot not in self._runners:
-            config = self._resolved.htmpc[self._resolved.scenario.htmpc.parameters]
-            self._runners[robot] = SequenceRunner(self._team, robot, config)
+            scenario = self._resolved.scenario
+            config, blend = self._resolved.htmpc[scenario.htmpc.parameters], scenario.transition
+            self._runners[robot] = SequenceRunner(self._team, robot, config, blend.duration)
         return self._runners[robot]
 
     # ---- the rest

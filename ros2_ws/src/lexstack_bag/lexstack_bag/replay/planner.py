@@ -1,0 +1,144 @@
+"""The HTMPC's core, fed with the recorded states, sequences and changes: the same plans?
+
+Open loop, as for the other nodes: every plan begins at its recorded state, also with changes. What
+a solve takes from the one before it is the replayed one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from lexstack_bag.errors import BagError
+from lexstack_bag.replay.outcome import Joint, Outcome, joints_of
+from lexstack_bag.replay.question import Question
+from lexstack_bag.replay.states import Arrivals, States
+from lexstack_bag.run import Planning, PlanStream, Run, SequenceEvent
+from lexstack_core.errors import InputError
+from lexstack_core.htmpc import SequenceTask
+from lexstack_core.htmpc.runner import ARCHITECTURES, Change, SequenceRunner
+from lexstack_core.linear import Matrix, Vector
+from lexstack_core.model import Team
+from lexstack_core.state import RobotState
+from lexstack_core.transition.plan_book import HeardPlan
+
+PLANNER = "htmpc"
+
+
+def heard_plans(run: Run, team: Team) -> Arrivals[HeardPlan]:
+    """Return the recorded plans as robot A took them, by the time of their sending."""
+    return Arrivals(
+        [
+            (int(planning.plans.sent[row]), _plan(planning.plans, row, team.index(name)))
+            for name, planning in run.planning.items()
+            for row in range(len(planning.plans.tick))
+        ]
+    )
+
+
+def replay_planner(question: Question) -> Outcome:
+    """Return the plans for the recorded states, sequences and changes.
+
+    Columns are the velocities of all robots with plans at all states of a horizon; nan where a
+    robot has no plan of the tick.
+    """
+    run, team = question.run, Team.from_scenario(question.resolved)
+    scenario = question.resolved.scenario
+    config, blend = question.resolved.htmpc[scenario.htmpc.parameters], scenario.transition.duration
+    found: dict[int, tuple[float, Matrix]] = {}  # by tick: stamp, and both plans of all robots
+    width = max(planning.plans.velocity.shape[1] for planning in run.planning.values())
+    whole = sum(len(planning.plans.tick) for planning in run.planning.values())
+    done = 0
+    for place, (name, planning) in enumerate(run.planning.items()):
+        runner = SequenceRunner(team, team.index(name), config, blend)
+        for tick, stamp, recorded, replayed in _plans(runner, planning, States(run)):
+            if tick not in found:
+                found[tick] = stamp, np.full((2, len(run.planning) * width), np.nan)
+            mine = slice(place * width, place * width + recorded.size)
+            found[tick][1][:, mine] = recorded, replayed
+            done += 1
+            question.progress(done / whole)
+    ticks = sorted(found)
+    both = np.array([found[tick][1] for tick in ticks])
+    return Outcome(
+        PLANNER,
+        tuple(joint for name in run.planning for joint in _columns(team, name, width)),
+        np.array(ticks, np.int64),
+        np.array([found[tick][0] for tick in ticks]),
+        np.ascontiguousarray(both[:, 0]),
+        np.ascontiguousarray(both[:, 1]),
+        "plan",
+    )
+
+
+def _plans(
+    runner: SequenceRunner, planning: Planning, states: States
+) -> Iterator[tuple[int, float, Vector, Vector]]:
+    """Yield tick, stamp [s], recorded and replayed velocities of every plan of one robot.
+
+    Raises:
+        BagError: the bag holds a change, but not what it changes.
+    """
+    events = Arrivals([(event.sent, event) for event in planning.events])
+    plans = planning.plans
+    tasks: tuple[SequenceTask, ...] = ()
+    for row, tick in enumerate(plans.tick):
+        for event in events.until(int(plans.sent[row])):
+            if event.tick in states:
+                try:
+                    _apply(runner, event, tasks, states[event.tick])
+                except InputError as error:  # events before it are not in the bag
+                    where = f"{PLANNER}: {event.event} at tick {event.tick}"
+                    raise BagError(f"{where}: {error}") from error
+            tasks = event.tasks
+        recorded = plans.velocity[row]
+        replayed = np.full_like(recorded, np.nan)
+        if int(tick) in states and runner.sequence is not None:
+            found = runner.step(states[int(tick)]).plan.v.ravel()
+            replayed = found if found.shape == recorded.shape else replayed
+        yield int(tick), float(plans.stamp[row]), recorded, replayed
+
+
+def _apply(
+    runner: SequenceRunner,
+    event: SequenceEvent,
+    before: tuple[SequenceTask, ...],
+    state: RobotState,
+) -> None:
+    """Do to a runner what was done; ``before`` are the tasks until then."""
+    kind, name = event.event, event.changed
+    if kind == "end":
+        runner.end()
+    elif kind in ("begin", "replace"):
+        runner.begin(event.tasks, ARCHITECTURES[event.architecture], state)
+    elif runner.sequence is not None:
+        tasks = {task.name: task for task in event.tasks}
+        names = list(tasks)
+        change = Change("release", name)
+        if kind == "cancel":
+            change = Change("cancel", name)
+        elif kind == "retarget":
+            change = Change("retarget", name, points=tasks[name].points)
+        elif kind == "insert":
+            after = names[names.index(name) + 1 :]
+            known = {task.name for task in before}
+            follower = next((other for other in after if other in known), "")
+            change = Change("insert", name, task=tasks[name], before=follower)
+        runner.change(change, state)
+
+
+def _plan(plans: PlanStream, row: int, robot: int) -> HeardPlan:
+    """Return a recorded plan as robot A took it."""
+    times = np.asarray(plans.times[row])
+    times = times[np.isfinite(times)]
+    velocities = plans.velocity[row].reshape(len(times), -1)
+    return HeardPlan(robot, int(plans.tick[row]), times, velocities)
+
+
+def _columns(team: Team, name: str, width: int) -> Iterator[Joint]:
+    """Yield a name and a unit for every velocity in a robot's plan."""
+    mine = [joint for joint in joints_of(team) if joint.name.partition("/")[0] == name]
+    for column in range(width):
+        joint = mine[column % len(mine)]
+        yield Joint(f"{joint.name}, state {column // len(mine)}", joint.unit)
