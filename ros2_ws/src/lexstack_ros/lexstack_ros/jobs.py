@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum
 from typing import Any
 
-from rclpy.action.server import ServerGoalHandle
-from rclpy.task import Future
+from rclpy.action.server import ActionServer, ServerGoalHandle
 
 from lexstack_core.config.checks import shown
 from lexstack_core.errors import InputError
@@ -31,6 +31,21 @@ class Stage(Enum):
     LEAVING = 4  # robot A has been asked to go back; plans go on until it does
 
 
+class GoalServer(ActionServer):
+    """An action server whose goals end when they are said to, at no cost until then.
+
+    rclpy's own way is a coroutine for each goal. One that waits is asked again and again whether
+    it goes on: that keeps a core busy for as long as a goal is under way.
+    """
+
+    def notify_execute(self, _handle: ServerGoalHandle, _callback: Any) -> None:
+        """Let a goal begin: it is executing now, and nothing waits for its end."""
+
+    def finish(self, handle: ServerGoalHandle) -> None:
+        """Call the server's callback for a goal's result, and send it."""
+        super().notify_execute(handle, None)
+
+
 class Job:
     """A goal under way.
 
@@ -44,6 +59,8 @@ class Job:
         origin: the stack that robot A goes back to.
         stage: how far it is.
         followed: whether robot A has been seen following this job's plan.
+        result: of the action, once the job has ended.
+        on_end: called once, when the result is there.
     """
 
     def __init__(
@@ -62,13 +79,10 @@ class Job:
         self.origin = ""
         self.stage = Stage.ASKED
         self.followed = False
+        self.on_end: Callable[[ServerGoalHandle], None] = lambda _handle: None
         self._handle = handle
-        self._future: Future = Future()
+        self.result: ExecuteSequence.Result | None = None
         self._done = 0
-
-    async def result(self) -> ExecuteSequence.Result:
-        """Return the action's result once the job has ended."""
-        return await self._future
 
     @property
     def cancelled(self) -> bool:
@@ -78,7 +92,7 @@ class Job:
     @property
     def ended(self) -> bool:
         """Whether the client has its result; the robot may still be on its way back."""
-        return bool(self._future.done())
+        return self.result is not None
 
     def tell(self, status: SequenceStatus) -> None:
         """Send feedback."""
@@ -96,8 +110,8 @@ class Job:
             self._handle.canceled()
         else:
             self._handle.abort()
-        result: Any = ExecuteSequence.Result(success=not why, done=self._done, message=why)
-        self._future.set_result(result)
+        self.result = ExecuteSequence.Result(success=not why, done=self._done, message=why)
+        self.on_end(self._handle)
 
 
 def job_of(handle: ServerGoalHandle, team: Team, state: RobotState | None, every: int) -> Job:

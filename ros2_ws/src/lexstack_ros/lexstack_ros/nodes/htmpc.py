@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action import CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
@@ -18,7 +18,7 @@ from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import Sequence, SequenceStatus
 from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.following import Following, plan_stack
-from lexstack_ros.jobs import Job, Stage, job_of
+from lexstack_ros.jobs import GoalServer, Job, Stage, job_of
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.plan_conversions import (
     PLAN,
@@ -62,7 +62,7 @@ class HtmpcNode(Node):
         self._status_out = self.create_publisher(SequenceStatus, "/htmpc/status", STREAM)
         self._sequence_out = self.create_publisher(Sequence, "/htmpc/sequence", LATCHED)
         self._following = Following(self, self._team, self._resolved, self._on_answer)
-        self._action = ActionServer(
+        self._action = GoalServer(
             self,
             ExecuteSequence,
             ACTION,
@@ -80,6 +80,7 @@ class HtmpcNode(Node):
     def _on_goal(self, handle: ServerGoalHandle) -> None:
         """Take a goal; one that cannot be is ended at once, with the reason."""
         job = job_of(handle, self._team, self._state, self._every)
+        job.on_end = self._action.finish
         self._by_goal[bytes(handle.goal_id.uuid)] = job
         handle.execute()
         if job.refusal:
@@ -94,9 +95,9 @@ class HtmpcNode(Node):
         self._jobs[job.robot] = job
         self._following.begin(job)
 
-    async def _execute(self, handle: ServerGoalHandle) -> ExecuteSequence.Result:
-        """Return a goal's result when it has one."""
-        return await self._by_goal.pop(bytes(handle.goal_id.uuid)).result()
+    def _execute(self, handle: ServerGoalHandle) -> ExecuteSequence.Result | None:
+        """Return the result of a goal that has ended."""
+        return self._by_goal.pop(bytes(handle.goal_id.uuid)).result
 
     def _on_answer(self, job: Job, back: bool, refusal: str) -> None:
         """Go on as robot A has answered."""
