@@ -32,7 +32,7 @@ from lexstack_ros.recording import message_class
 
 NAME = "replay"
 _SETTLED = 1.0  # s for which all connections must have been there
-_JOINED = 2.0  # s for which nobody has joined; a listener knows us a little after we know it
+_ALONE = 5.0  # s, after which it plays for nobody: discovery may take 3 s, a period of DDS
 _NS = 1e9
 _UNANSWERED = 0.002  # s after a state that nobody answers: a live node shall keep up
 _OWN = ("/rosout", "/parameter_events")  # of the recorded nodes, not for live ones
@@ -250,10 +250,10 @@ class BagPlayer(Node):
         return future.result()
 
     def _wait_settled(self) -> None:
-        """Wait until the number of subscriptions has not changed for ``_JOINED``."""
+        """Wait until somebody listens, and nobody else has joined for a while."""
         since = time.monotonic()
-        end, listeners = since + self._patience, -1
-        while (now := time.monotonic()) - since < _JOINED and now < end:
+        end, listeners = since + self._patience, 0
+        while (now := time.monotonic()) - since < (_SETTLED if listeners else _ALONE) and now < end:
             self._executor.spin_once(timeout_sec=0.1)
             present = sum(p.get_subscription_count() for p in self._publishers_by_topic.values())
             if present != listeners:
