@@ -154,3 +154,23 @@ def test_home_is_a_state():
     message = plant_state()
     message.q = conversions.to_array(home())
     np.testing.assert_array_equal(conversions.to_state(message, team()).q, home())
+
+
+def test_a_chi_of_some_robots_leaves_the_others_at_rest():
+    second = team().slices[1]
+    n = second.stop - second.start
+    message = Chi(robots=["robot_b"], stack="track", chi=np.arange(1.0, n + 1.0).tolist())
+    sample = conversions.to_sample(message, team(), "/robot_b/chi")
+    assert (sample.robots, sample.stack) == ((1,), "track")
+    np.testing.assert_array_equal(sample.chi[second], np.arange(1.0, n + 1.0))
+    assert not sample.chi[team().slices[0]].any()
+
+
+@pytest.mark.parametrize(
+    "robots",
+    [[], ["robot_b", "robot_a"], ["robot_a", "robot_a"], ["robot_c"], ["robot_a", "robot_c"]],
+)
+def test_a_chi_of_other_robots_is_refused(robots):
+    message = Chi(robots=robots, chi=[0.0] * team().n)
+    with pytest.raises(InputError, match="robots: expected some of robot_a, robot_b"):
+        conversions.to_sample(message, team(), "/robot_b/chi")

@@ -17,6 +17,28 @@ from lexstack_core.tasks import TASKS
 from lexstack_core.transition.part import Part
 
 
+def share(stack: Stack, robots: int, number: int, count: int) -> Stack | None:
+    """Return what one of several solvers solves of a stack; None: nothing.
+
+    The team's robots are split evenly, in their order. A stack with a task that couples robots of
+    different solvers is all the first one's.
+
+    Args:
+        stack: any.
+        robots: how many the team has.
+        number: which solver, from 1.
+        count: of solvers.
+    """
+    if count == 1:
+        return stack
+    groups = [set(group.tolist()) for group in np.array_split(np.arange(robots), count)]
+    if any(stack.coupling(group) for group in groups):
+        return stack if number == 1 else None
+    moved = range(robots) if stack.robots is None else stack.robots
+    mine = tuple(robot for robot in moved if robot in groups[number - 1])
+    return stack.of(mine) if mine else None
+
+
 class StackSolver:
     """Solves any of the known stacks without an acceleration box: a target, not a command."""
 

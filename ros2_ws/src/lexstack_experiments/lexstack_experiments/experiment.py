@@ -18,6 +18,7 @@ class Options:
         out: an empty folder for pictures and other files of the experiment.
         seed: of everything random.
         cases: how many cases to run, at least 1.
+        seconds: how long it shall run, where it has a duration; 0: as usual.
         say: told what happens, in single lines.
     """
 
@@ -26,6 +27,7 @@ class Options:
     seed: int
     cases: int
     say: Callable[[str], None] = lambda _line: None
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,9 +39,13 @@ class Experiment:
         case: what ``--cases`` counts, in the plural.
         cases: how many a full run has.
         run: does it.
+        seconds: its usual duration of wall time [s], if it has one.
+        soak: its duration with ``--soak`` [s].
     """
 
     summary: str
     case: str
     cases: int
     run: Callable[[Options], Results]
+    seconds: float = 0.0
+    soak: float = 0.0

@@ -8,6 +8,7 @@ from pathlib import Path
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.config.scenario import ScenarioConfig
 from lexstack_core.config.yaml_text import read_text
+from lexstack_ros.names import SOLVER, base_of
 from lexstack_ros.readiness import READY
 from lexstack_ros.supervisor import Supervisor
 
@@ -28,7 +29,18 @@ _READY_TIMEOUT = 60.0  # s of wall time, on a slow machine
 
 def nodes_of(scenario: ScenarioConfig) -> tuple[str, ...]:
     """Return the names of the nodes that a scenario needs."""
-    return (*NODES, *PLANNERS) if scenario.plans else tuple(NODES)
+    more = [f"{SOLVER}_{number}" for number in range(2, scenario.solvers + 1)]
+    return (*NODES, *more, *PLANNERS) if scenario.plans else (*NODES, *more)
+
+
+def arguments_of(node: str, parameters: Mapping[str, str]) -> list[str]:
+    """Return the command line of a node; ``parameters`` as YAML."""
+    given, names = dict(parameters), []
+    if node != base_of(node):
+        names = ["-r", f"__node:={node}"]
+        given["number"] = node.removeprefix(f"{SOLVER}_")
+    pairs = [word for key, value in given.items() for word in ("-p", f"{key}:={value}")]
+    return ["--ros-args", *names, *pairs]
 
 
 def bring_up(
@@ -48,7 +60,7 @@ def bring_up(
         scenario: file of the resolved scenario; mode and seed stand there.
         bag: folder of the bag to be written.
         peers: names of the other nodes of the run: users, and what other hosts start.
-        nodes: keys of NODES and PLANNERS, those to start here; None: all that the scenario needs.
+        nodes: those to start here, as ``nodes_of`` names them, others are left out; None: all.
         timeout: of wall time until all are connected with each other and with the peers [s].
         recording: more parameters of the recorder, as YAML.
 
@@ -57,12 +69,11 @@ def bring_up(
     """
     if nodes is None:
         nodes = nodes_of(ResolvedScenario.from_yaml(read_text(scenario), str(scenario)).scenario)
-    chosen = [name for name in MODULES if name in nodes]
+    chosen = [name for module in MODULES for name in nodes if base_of(name) == module]
     for name in chosen:
         given = {"scenario": str(scenario)}
         if name == RECORDER:
             given |= {"output": str(bag), **(recording or {})}
         given["peers"] = ",".join([*(other for other in chosen if other != name), *peers])
-        pairs = [argument for key, value in given.items() for argument in ("-p", f"{key}:={value}")]
-        supervisor.start(name, MODULES[name], ["--ros-args", *pairs])
+        supervisor.start(name, MODULES[base_of(name)], arguments_of(name, given))
     supervisor.wait_printed(chosen, READY, timeout)

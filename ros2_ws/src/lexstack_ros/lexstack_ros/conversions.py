@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 from array import array
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
+from numpy.typing import NDArray
 
 from lexstack_core.config.checks import shown
 from lexstack_core.controller import Command
@@ -95,16 +97,42 @@ def to_state(message: PlantState, team: Team) -> RobotState:
 
 
 def to_sample(message: Chi, team: Team, where: str) -> SourceSample:
-    """Return a source's chi; raises InputError. ``where`` is its topic."""
-    check_robots(message.robots, team, where)
+    """Return a source's chi, of all robots or of some; raises InputError. ``where``: its topic."""
+    robots = _some_robots(message.robots, team, where)
     slacks = to_vector(message.slacks, len(message.slacks), f"{where}: slacks")
+    chi = to_vector(message.chi, columns_of(team, robots).size, f"{where}: chi")
     return SourceSample(
         message.transition_id,
         message.tick,
-        to_vector(message.chi, team.n, f"{where}: chi"),
+        chi if len(robots) == len(team.robots) else _among_all(chi, robots, team),
         message.status == Chi.SOLVED,
         float(slacks[0]) if slacks.size else None,
+        None if len(robots) == len(team.robots) else robots,
+        message.stack,
     )
+
+
+def columns_of(team: Team, robots: Sequence[int]) -> NDArray[np.intp]:
+    """Return the joints of some robots in chi."""
+    return np.concatenate([np.arange(team.slices[i].start, team.slices[i].stop) for i in robots])
+
+
+def _some_robots(names: Sequence[str], team: Team, where: str) -> tuple[int, ...]:
+    """Return the places of robots that are named in the team's order; raises InputError."""
+    robots = tuple(i for i, name in enumerate(team.names) if name in names)
+    if not robots or tuple(team.names[i] for i in robots) != tuple(names):
+        raise InputError(
+            f"{where}: robots: expected some of {', '.join(team.names)}, got {shown(list(names))}"
+        )
+    return robots
+
+
+def _among_all(chi: Vector, robots: Sequence[int], team: Team) -> Vector:
+    """Return the chi of some robots with zeros for the others, shape (n,)."""
+    whole = np.zeros(team.n)
+    whole[columns_of(team, robots)] = chi
+    whole.setflags(write=False)
+    return whole
 
 
 def chi_of_command(command: Command, message: Chi) -> Chi:

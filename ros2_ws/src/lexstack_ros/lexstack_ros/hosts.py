@@ -11,6 +11,7 @@ from typing import Literal
 from lexstack_core.config.checks import positive, shown
 from lexstack_core.config.reader import build, read_yaml
 from lexstack_core.errors import ConfigurationError
+from lexstack_ros.names import base_of
 
 SERVER = "discovery_server"
 _LAST_DOMAIN = 232
@@ -137,7 +138,7 @@ def load_hosts(path: Path, known: Sequence[str]) -> HostsConfig:
     """
     config = build(HostsConfig, read_yaml(path), str(path))
     for node in config.nodes:
-        if node not in known:
+        if base_of(node) not in known:
             raise ConfigurationError(
                 f"{path}: hosts: unknown node {node!r}; known: {', '.join(known)}"
             )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 
@@ -30,6 +30,13 @@ def flag_parameter(node: Node, name: str, description: str, *, default: bool) ->
     """Declare a read-only switch and return it."""
     descriptor = ParameterDescriptor(description=description, read_only=True)
     return bool(declared(node, name, default, descriptor))
+
+
+def count_parameter(node: Node, name: str, description: str, most: int) -> int:
+    """Declare a read-only whole number from 1 to ``most``, by default 1, and return it."""
+    span = IntegerRange(from_value=1, to_value=most, step=1)
+    descriptor = ParameterDescriptor(description=description, read_only=True, integer_range=[span])
+    return int(declared(node, name, 1, descriptor))
 
 
 def declared(node: Node, name: str, default: Any, descriptor: ParameterDescriptor) -> Any:

@@ -23,13 +23,12 @@ from lexstack_core.references import pose_from_config
 from lexstack_core.rotation import from_rpy, to_quaternion
 from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
-from lexstack_ros.bringup import HTMPC
+from lexstack_ros.bringup import RECORDER, nodes_of
 from lexstack_ros.conversions import pose_message
 from lexstack_ros.qos import STREAM
 from lexstack_ros.readiness import is_connected
 from lexstack_ros.sequence_client import SequenceClient
 
-_PEERS = ("sim_bridge", "hqp_controller", "stack_solver")
 PLAYER = "scenario_player"
 _LEAD = 1.0  # s, how long before its time an event is sent in realtime
 _ANSWER = 10.0  # s of wall time to wait for a service
@@ -60,7 +59,7 @@ class Player(Node):
         self._pause = self.create_client(SetBool, "/sim_bridge/pause")
         plans = resolved.scenario.plans
         self._sequences = SequenceClient(self, resolved.scenario) if plans else None
-        self._peers = (*_PEERS, HTMPC) if plans else _PEERS
+        self._peers = [node for node in nodes_of(resolved.scenario) if node != RECORDER]
         self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
         self.create_subscription(TransitionStatus, "/robot_a/transition", self._on_status, STREAM)
 

@@ -171,6 +171,7 @@ class ScenarioConfig:
     limit_jerk: bool = False  # at every tick, not only in transitions by bridge_jerk
     htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)
     sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
+    solvers: int = 1  # processes that solve for robot A, each for some of the robots
     solver: str = "daqp"  # a key of lexstack_core.hqp.SOLVERS
     mode: Mode = "lockstep"
     seed: int = 0
@@ -187,8 +188,7 @@ class ScenarioConfig:
         positive(where, rate=self.rate, duration=self.duration)
         at_most(where, _FASTEST, rate=self.rate)
         at_most(where, _LONGEST, duration=self.duration)
-        if not self.robots:
-            raise ConfigurationError(f"{where}: robots: at least one robot is needed")
+        self._check_counts(where)
         targets: list[tuple[str, dict[str, PoseConfig] | dict[str, Vector3]]] = [
             ("ee_target", self.ee_target),
             ("base_target", self.base_target),
@@ -217,3 +217,12 @@ class ScenarioConfig:
                     raise ConfigurationError(
                         f"{where}: {key}: unknown robot {robot!r}; known: {known}"
                     )
+
+    def _check_counts(self, where: str) -> None:
+        """Raise ConfigurationError without robots, or for more solvers than robots."""
+        if not self.robots:
+            raise ConfigurationError(f"{where}: robots: at least one robot is needed")
+        if not 1 <= self.solvers <= len(self.robots):
+            raise ConfigurationError(
+                f"{where}: solvers: must be in [1, {len(self.robots)}], one for each robot at most"
+            )

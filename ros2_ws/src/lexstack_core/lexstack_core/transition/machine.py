@@ -16,6 +16,7 @@ from lexstack_core.transition.announcer import Announcer, Wanted
 from lexstack_core.transition.asked import AskedLimits
 from lexstack_core.transition.channel import Channel, asked_of
 from lexstack_core.transition.gathering import begun, together
+from lexstack_core.transition.joining import Joiner
 from lexstack_core.transition.methods import JERK_LIMITED, METHODS
 from lexstack_core.transition.part import Part
 from lexstack_core.transition.plan import Means, Plans
@@ -60,6 +61,8 @@ class Transition:
         }
         self._stacks = stacks
         self._team = team
+        self._whose = whose
+        self._joiner = Joiner(team)
         self._sources = Sources(local, scenario)
         self._plans = PlanBook(team, scenario)
         self._book = RequestBook(whose, METHODS, scenario.transition)
@@ -159,7 +162,10 @@ class Transition:
 
     def hear(self, sample: SourceSample) -> None:
         """Take the source's newest chi of a transition."""
-        self._sources.hear(sample)
+        needed = self._whose.get(sample.stack, ())
+        whole = self._joiner.join(sample, needed)
+        if whole is not None:
+            self._sources.hear(whole)
 
     def hear_plan(self, plan: HeardPlan) -> None:
         """Take a plan of the HTMPC, for the stacks that follow it."""
@@ -197,6 +203,7 @@ class Transition:
         news = self._announcer.changes(wanted)
         if news:
             self._sources.keep(wanted)
+            self._joiner.keep(wanted)
         return news
 
     # ---- the tick

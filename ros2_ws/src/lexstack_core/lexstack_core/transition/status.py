@@ -75,6 +75,9 @@ class SourceSample:
         chi: shape (n,), finite.
         solved: whether every level was solved.
         slack: the norm of level 1's residual at chi, as the source says; None where it does not.
+        robots: places in the team of those that it was solved for, the others' joints are 0; None:
+            all that the stack moves.
+        stack: that was solved, where only some robots were.
     """
 
     transition_id: int
@@ -82,6 +85,8 @@ class SourceSample:
     chi: Vector
     solved: bool
     slack: float | None = None
+    robots: tuple[int, ...] | None = None
+    stack: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from lexstack_experiments.benches import (
     recorder,
     scaling,
     strictness,
+    system,
     transition,
 )
 from lexstack_experiments.experiment import Experiment
@@ -18,6 +19,7 @@ BENCHES: dict[str, Experiment] = {
     "recorder": recorder.EXPERIMENT,
     "scaling": scaling.EXPERIMENT,
     "strictness": strictness.EXPERIMENT,
+    "system": system.EXPERIMENT,
     "transition": transition.EXPERIMENT,
 }
 

@@ -15,6 +15,7 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.text import lines_of
 
 FAILED, BAD_ARGUMENT, INTERRUPTED = 1, 2, 130
+_LONGEST = 86_400.0  # s
 
 
 def run_command(
@@ -80,6 +81,13 @@ def _parser(kind: str, known: Mapping[str, Experiment]) -> argparse.ArgumentPars
     parser.add_argument(
         "--strict", action="store_true", help="exit with 1 unless every goal is reached"
     )
+    lasting = [name for name, entry in known.items() if entry.seconds]
+    if lasting:
+        which = ", ".join(lasting)
+        parser.add_argument(
+            "--duration", type=float, metavar="S", help=f"of the realtime run [s] ({which})"
+        )
+        parser.add_argument("--soak", action="store_true", help=f"30 minutes of it ({which})")
     return parser
 
 
@@ -91,6 +99,7 @@ def _options(root: Path, kind: str, experiment: Experiment, parsed: argparse.Nam
         raise ConfigurationError(
             f"--cases: must be in [1, {experiment.cases}] ({experiment.case}), got {parsed.cases}"
         )
+    seconds = _seconds(experiment, parsed)
     stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
     out = (parsed.out or root / "runs" / f"{kind}-{parsed.name}-{stamp}").resolve()
     try:
@@ -100,7 +109,17 @@ def _options(root: Path, kind: str, experiment: Experiment, parsed: argparse.Nam
     except OSError as error:
         raise ConfigurationError(f"--out: {out}: {error.strerror}") from error
     cases = parsed.cases or experiment.cases
-    return Options(root / "config", out, parsed.seed, cases, _Teller())
+    return Options(root / "config", out, parsed.seed, cases, _Teller(), seconds)
+
+
+def _seconds(experiment: Experiment, parsed: argparse.Namespace) -> float:
+    """Return how long it shall run [s], 0 where it has no duration; raises ConfigurationError."""
+    given, soak = getattr(parsed, "duration", None), getattr(parsed, "soak", False)
+    if (given is not None or soak) and not experiment.seconds:
+        raise ConfigurationError(f"{parsed.name} has no duration: leave --duration and --soak out")
+    if given is not None and not 1.0 <= given <= _LONGEST:
+        raise ConfigurationError(f"--duration: must be in [1, {_LONGEST:g}] s, got {given:g}")
+    return experiment.soak if soak else given or experiment.seconds
 
 
 class _Teller:

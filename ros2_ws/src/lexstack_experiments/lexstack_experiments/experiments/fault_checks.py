@@ -46,6 +46,8 @@ _DIAGNOSTICS = {
     "disk": "the bag ends here",
     "message": "refused: ",
 }
+_OF_PROCESSES = ("kill", "stop", "cut")
+_ON_HOST = {"robot_a": "hqp_controller", "robot_b": "stack_solver"}
 SILENT = ("garbage bytes", "replayed")
 """Messages of which nobody has to tell: dropped by the middleware, or merely old."""
 
@@ -93,13 +95,14 @@ def outcome(event: dict[str, Any], record: Record, limits: JointLimits, dt: floa
     """Return what came of a case; ``record`` holds the bags of its run, ``dt`` is a tick [s]."""
     begun, ended = event["begun"], event["ended"]
     fault, what, phase = split(event["case"])
+    what = _ON_HOST.get(what, what)
     states = [state for state in record.states if begun - _AFTER // 2 <= state.at <= ended]
     commands = [chi for chi in record.commands if begun <= chi.at <= ended]
-    wanted = _TRANSITION.get((what, phase), "") if fault in ("kill", "stop") else ""
+    wanted = _TRANSITION.get((what, phase), "") if fault in _OF_PROCESSES else ""
     slow = fault == "slow" and float(what.split()[0]) > _TOLERATED
     if slow:
         wanted = _TRANSITION["stack_solver", "blending"]
-    key = what if fault in ("kill", "stop") else fault
+    key = what if fault in _OF_PROCESSES else fault
     harmless = what in SILENT or (fault == "slow" and not slow)
     needed = "" if harmless else _DIAGNOSTICS.get(key, "")
     if phase == "idle" and key in ("stack_solver", "htmpc"):
@@ -126,7 +129,7 @@ def outcome(event: dict[str, Any], record: Record, limits: JointLimits, dt: floa
         ", ".join(missing),
         _seconds(event["healed"], _served(event, what, record)),
         sum(s.status not in (FOLLOWING, PAUSED) for s in states if s.at > begun) * dt,
-        bool(event["rejoined"]),
+        bool(event["rejoined"]) or _follows_b(record, event),
         int(event["answers"]),
     )
 
@@ -193,6 +196,12 @@ def first_told(told: Iterable[Told], window: tuple[int, int], pattern: str) -> T
         elif entry.text and entry.text != before and re.search(pattern, entry.text):
             return entry
     return None
+
+
+def _follows_b(record: Record, event: dict[str, Any]) -> bool:
+    """Return whether A followed robot B after the end of a fault, in a run by the scenario."""
+    after = (told for told in record.transitions if event["healed"] < told.at < event["ended"])
+    return event["case"].startswith("cut") and any(told.who == "robot_b" for told in after)
 
 
 def _served(event: dict[str, Any], what: str, record: Record) -> int | None:

@@ -60,7 +60,7 @@ def cut_events(options: Options, name: str) -> dict[str, Any]:
             process.wait(_PATIENCE)
         lan.close()
     bag = str(out / "simulation" / "bag")
-    return {"case": name, "bag": bag, "later": bag, "answers": 0, "rejoined": True, **event}
+    return {"case": name, "bag": bag, "later": bag, "answers": 0, "rejoined": False, **event}
 
 
 def _start(

@@ -23,8 +23,15 @@ from lexstack_core.htmpc import SequenceTask
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
-from lexstack_ros.bringup import MODULES, RECORDER, bring_up, nodes_of
+from lexstack_ros.bringup import (
+    MODULES,
+    RECORDER,
+    arguments_of,
+    bring_up,
+    nodes_of,
+)
 from lexstack_ros.domain import own_domain
+from lexstack_ros.names import base_of
 from lexstack_ros.plan_conversions import task_message
 from lexstack_ros.qos import SERVICE, STREAM
 from lexstack_ros.readiness import READY
@@ -114,14 +121,13 @@ class Rig:
             given["output"] = str(self.bags[-1])
         peers = [other for other in self.nodes if other != name]
         given["peers"] = ",".join([*peers, USER])
-        words = [word for key, value in given.items() for word in ("-p", f"{key}:={value}")]
         begun = time.time_ns()
         log = self._out / "logs" / f"{name}.log"
         if log.exists():
             log.rename(log.with_suffix(f".{begun}.log"))
-        module, _, argument = (module or MODULES[name]).partition(":")
+        module, _, argument = (module or MODULES[base_of(name)]).partition(":")
         before = [argument] if argument else []
-        child = self.supervisor.start(name, module, [*before, "--ros-args", *words])
+        child = self.supervisor.start(name, module, [*before, *arguments_of(name, given)])
         self.until(lambda: child.printed(READY), f"{name} to be ready")
         return begun
 

@@ -65,7 +65,7 @@ class Trials:
         self._enter(case)
         event = Event(case.name, bag=str(self._rig.bags[-1]))
         getattr(self, f"_{case.fault}")(case, event)
-        event.rejoined = self._probe()
+        event.rejoined = self._probe(case)
         event.ended, event.later = time.time_ns(), str(self._rig.bags[-1])
         return event
 
@@ -94,12 +94,15 @@ class Trials:
             self._x = 0.8 - self._x
             rig.wait(lambda: False, 0.5)
 
-    def _probe(self) -> bool:
-        """Return whether robot B serves a switch now; asks a few times."""
+    def _probe(self, case: Case) -> bool:
+        """Return whether robot B serves a switch now; asks a few times, and the HTMPC if it was."""
         rig = self._rig
         rig.forget()
         rig.release()
         rig.until(lambda: rig.commanded, "the plant to follow robot A")
+        if case.what == "htmpc":
+            rig.drive(self._x)
+            self._x = 0.8 - self._x
         for stack in ("posture", _HOME, "posture", _HOME):
             rig.switch(stack, _QUICK)
             if rig.wait(lambda: rig.follows("robot_b"), 1.5):

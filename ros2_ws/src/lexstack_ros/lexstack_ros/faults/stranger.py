@@ -107,7 +107,7 @@ class Stranger:
         for topic in ("/robot_a/chi", "/robot_b/chi"):
             self._chi(topic, chi=wrong)
         pose = PoseStamped()
-        pose.pose.position.x = wrong[0]
+        pose.pose.position.x = float("nan")
         self._publish("/robot_a/ee_target", pose)
 
     def _ticks(self, offset: int) -> None:

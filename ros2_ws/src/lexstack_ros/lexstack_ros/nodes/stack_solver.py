@@ -11,12 +11,13 @@ from rclpy.node import Node
 from lexstack_core.build import Parts, build_references, build_stack_solver
 from lexstack_core.errors import InputError
 from lexstack_core.model import Kinematics
+from lexstack_core.stack_solver import share
 from lexstack_core.state import RobotState
 from lexstack_core.transition.status import Announcement, SourceSchedule
 from lexstack_interfaces.msg import Chi, StackRequest
-from lexstack_ros.conversions import WORLD, to_announcement, to_array, to_time
+from lexstack_ros.conversions import WORLD, columns_of, to_announcement, to_array, to_time
 from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
-from lexstack_ros.parameters import scenario_parameter
+from lexstack_ros.parameters import count_parameter, scenario_parameter
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import LATCHED, STREAM
 from lexstack_ros.references import TargetTopics
@@ -33,6 +34,13 @@ class StackSolverNode(Node):
         self._resolved = scenario_parameter(self)
         self._parts = Parts.of(self._resolved)
         self._solver = build_stack_solver(self._resolved, self._parts)
+        solvers = self._resolved.scenario.solvers
+        number = count_parameter(self, "number", "which of the scenario's solvers it is", solvers)
+        everyone = len(self._parts.team.robots)
+        self._mine = {
+            name: share(stack, everyone, number, solvers)
+            for name, stack in self._parts.stacks.items()
+        }
         self._schedule = SourceSchedule()
         self._state: RobotState | None = None
         self._served: tuple[int, set[int]] = (-1, set())  # the last tick, and its transitions' ids
@@ -59,8 +67,8 @@ class StackSolverNode(Node):
         except InputError as error:
             self._states.refuse(error)
             return
-        if self._parts.stacks[wanted.stack].planned:
-            return  # the HTMPC's
+        if self._parts.stacks[wanted.stack].planned or self._mine[wanted.stack] is None:
+            return  # the HTMPC's, or another solver's
         self._schedule.hear(wanted)
         self._serve()
 
@@ -86,13 +94,19 @@ class StackSolverNode(Node):
     ) -> None:
         """Solve one stack for a state, and send its optimum; ``begun``: when its work began [s]."""
         references = self._targets.schedule.at(state.stamp)
-        solution = self._solver.solve(wanted.stack, kinematics, references)
-        bounds = self._solver.bounds(wanted.stack, kinematics)
+        stack, team = self._mine[wanted.stack], self._parts.team
+        assert stack is not None
+        solution = self._solver.solve(stack, kinematics, references)
+        bounds = self._solver.bounds(stack, kinematics)
         solve_time = perf_counter() - begun
         chi = self._chi
         _head(chi, state, wanted)
-        chi.chi = to_array(solution.chi)
-        chi.lower, chi.upper = to_array(bounds.lower), to_array(bounds.upper)
+        vectors = solution.chi, bounds.lower, bounds.upper
+        if self._resolved.scenario.solvers > 1:
+            robots = range(len(team.robots)) if stack.robots is None else stack.robots
+            chi.robots = [team.names[robot] for robot in robots]
+            vectors = tuple(vector[columns_of(team, robots)] for vector in vectors)
+        chi.chi, chi.lower, chi.upper = (to_array(vector) for vector in vectors)
         chi.slacks = to_array(solution.slacks)
         usable = solution.solved and bool(np.isfinite(solution.chi).all())
         chi.status = Chi.SOLVED if usable else Chi.FAILED

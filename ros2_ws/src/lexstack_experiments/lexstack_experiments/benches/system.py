@@ -1,0 +1,234 @@
+"""The whole system over DDS: rate in lockstep, late ticks in realtime, latency, CPU, memory.
+
+Five processes: bridge, robot A, robot B, HTMPC, recorder; a user beside them asks for what they
+do. Each case is a run of its own, in phases: A alone, A following B, A following the HTMPC.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from lexstack_bag.container import Container, find_files
+from lexstack_bag.reader import Decoder
+from lexstack_core.config.resolved import ResolvedScenario, load_scenario
+from lexstack_core.errors import LexstackError
+from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+
+NAME = "system"
+SECONDS, SOAK = 60.0, 1800.0
+_MODULE = "lexstack_ros.system_load"
+_SHORT = 12.0  # s of each phase in lockstep
+_PATIENCE = 240.0  # s of wall time beside the phases
+_NS = 1_000_000_000
+_RATE, _LATE = 200.0, 1.0  # Hz, %
+_WHOM = {"alone": "A alone", "robot_b": "A follows B", "htmpc": "A follows the HTMPC"}
+_COLUMNS = (
+    "case", "phase", "ticks/s", "in its best second", "late %", "missing %",
+    "state to command p50 ms", "p99 ms",
+    "CPU % of a core: bridge", "robot A", "robot B", "HTMPC", "recorder",
+    "others on the machine %",
+)  # fmt: skip
+_NODES = ("sim_bridge", "hqp_controller", "stack_solver", "htmpc", "recorder")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One run."""
+
+    name: str
+    mode: str = "lockstep"
+    robots: int = 0  # of eight_robots; 0: the two of faults, with the HTMPC
+    solvers: int = 1
+
+    @property
+    def phases(self) -> tuple[str, ...]:
+        """The phases of the run."""
+        return tuple(_WHOM) if not self.robots else tuple(_WHOM)[:2]
+
+
+CASES = (
+    Case("lockstep"),
+    Case("realtime", "realtime"),
+    Case("2 robots", robots=2),
+    Case("4 robots", robots=4),
+    Case("8 robots", robots=8),
+    Case("8 robots, 2 solvers", robots=8, solvers=2),
+)
+
+
+def run(options: Options) -> Results:
+    """Run the first cases."""
+    found: dict[str, list[dict[str, Any]]] = {}
+    for case in CASES[: options.cases]:
+        found[case.name] = _measured(options, case)
+        for phase in found[case.name]:
+            options.say(f"{case.name}, {_WHOM[phase['phase']]}: {_rate(phase):.0f} ticks/s")
+    rows = [(case, phase) for case in CASES if case.name in found for phase in found[case.name]]
+    return Results(
+        NAME,
+        options.seed,
+        options.cases,
+        tuple(_figures(found)),
+        (Table(_COLUMNS, tuple(_row(case.name, phase) for case, phase in rows)),),
+        {"rate_hz": 100.0, "seconds_realtime": options.seconds, "seconds_lockstep": _SHORT},
+        (
+            "State to command: from a state's sending to its command's arrival at the recorder.",
+            "The user of the run, who asks and otherwise sleeps, shares the cores; so may others.",
+        ),
+    )
+
+
+def _measured(options: Options, case: Case) -> list[dict[str, Any]]:
+    """Run one case; raises LexstackError where it does not come to its end."""
+    out = options.out / case.name.replace(" ", "_").replace(",", "")
+    out.mkdir()
+    path = out / "asked.yaml"
+    path.write_text(_scenario(options, case, out).to_yaml(), encoding="utf-8")
+    seconds = _SHORT if case.mode == "lockstep" else options.seconds / len(case.phases)
+    words = ["--scenario", str(path), "--out", str(out), "--seconds", f"{seconds:g}"]
+    done = subprocess.run(
+        [sys.executable, "-m", _MODULE, *words, "--phases", ",".join(case.phases)],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=_PATIENCE + len(case.phases) * seconds,
+    )
+    if done.returncode:
+        last = done.stderr.strip().splitlines()
+        raise LexstackError(f"{case.name}: {last[-1] if last else 'failed'}; logs: {out / 'logs'}")
+    phases: list[dict[str, Any]] = json.loads(done.stdout.splitlines()[-1])
+    _add_times(out / "bag", phases)
+    return phases
+
+
+def _scenario(options: Options, case: Case, out: Path) -> ResolvedScenario:
+    """Return the scenario of a case: it has no end and no events."""
+    name = "eight_robots" if case.robots else "faults"
+    source = options.config / "scenarios" / f"{name}.yaml"
+    data = yaml.safe_load(source.read_text(encoding="utf-8"))
+    if case.robots:
+        data["robots"] = dict(list(data["robots"].items())[: case.robots])
+        data["base_target"] = {name: data["base_target"][name] for name in data["robots"]}
+    data |= {"events": [], "mode": case.mode, "duration": 1e5, "seed": options.seed}
+    data["solvers"] = case.solvers
+    path = out / "scenario.yaml"
+    path.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
+    return replace(load_scenario(path, options.config))
+
+
+def _add_times(bag: Path, phases: Sequence[dict[str, Any]]) -> None:
+    """Add to each phase what its bag says of its times.
+
+    ``latency``: median and 99th percentile from state to command [ms], or None. ``best``: ticks in
+    the second with the most of them.
+    """
+    sent: dict[int, int] = {}
+    arrived: dict[int, int] = {}
+    decode = Decoder()
+    for message in Container(find_files(bag)).messages():
+        if message.topic == "/plant/state":
+            sent.setdefault(decode(message).tick, message.publish_time)
+        elif message.topic == "/robot_a/chi":
+            arrived.setdefault(decode(message).tick, message.log_time)
+    for phase in phases:
+        first, last = phase["span"]
+        delays = [
+            1e-6 * (at - sent[tick])
+            for tick, at in arrived.items()
+            if tick in sent and first <= at <= last
+        ]
+        phase["latency"] = (_at(delays, 50), _at(delays, 99)) if delays else None
+        seconds = Counter((at - first) // _NS for at in sent.values() if first <= at <= last)
+        phase["best"] = max(seconds.values(), default=None)
+
+
+def _at(values: Sequence[float], percent: float) -> float:
+    """Return a percentile."""
+    return float(np.percentile(values, percent))
+
+
+def _rate(phase: dict[str, Any]) -> float:
+    """Return ticks per second of wall time."""
+    return float(phase["ticks"] / phase["seconds"])
+
+
+def _row(case: str, phase: dict[str, Any]) -> tuple[Cell, ...]:
+    """Return one line of the table."""
+    ticks = max(phase["ticks"], 1)
+    latency = phase["latency"] or (None, None)
+    return (
+        case,
+        _WHOM[phase["phase"]],
+        _rate(phase),
+        phase["best"],
+        100.0 * phase["late"] / ticks,
+        100.0 * phase["missing"] / ticks,
+        *latency,
+        *(_share(phase, name) for name in _NODES),
+        phase["others"],
+    )
+
+
+def _share(phase: dict[str, Any], node: str) -> float | None:
+    """Return the CPU share of a node's processes [%], None where it has none."""
+    shares = [share for name, share in phase["cpu"].items() if name.rstrip("_0123456789") == node]
+    return sum(shares) if shares else None
+
+
+def _figures(found: dict[str, list[dict[str, Any]]]) -> list[Figure]:
+    """Return what has a goal, and what is stated."""
+    figures = []
+    for phase in found.get("lockstep", ()):
+        name = f"Lockstep, five processes, {_WHOM[phase['phase']]}"
+        figures.append(Figure(name, _rate(phase), "ticks/s", Goal(">=", _RATE)))
+        figures.append(Figure(f"{name}, best second", phase["best"], "ticks/s"))
+    realtime = found.get("realtime")
+    if realtime:
+        ticks = sum(phase["ticks"] for phase in realtime)
+        late = 100.0 * sum(phase["late"] for phase in realtime) / ticks
+        figures.append(Figure("Realtime at 100 Hz: late ticks", late, "%", Goal("<=", _LATE)))
+        followed = [phase["latency"] for phase in realtime if phase["latency"]]
+        figures += [
+            Figure(
+                f"State to command, {word}, worst phase", max(each[i] for each in followed), "ms"
+            )
+            for i, word in enumerate(("median", "p99"))
+            if followed
+        ]
+        figures += [
+            Figure(f"Memory of {name}: growth", slope, "kB/min")
+            for name, slope in _slopes(realtime).items()
+        ]
+    return figures
+
+
+def _slopes(phases: Sequence[dict[str, Any]]) -> dict[str, float]:
+    """Return how fast each process grows over the run's second half [kB/min], by least squares."""
+    slopes = {}
+    for name in phases[0]["memory"]:
+        sizes = [size for phase in phases for size in phase["memory"].get(name, ())]
+        half = sizes[len(sizes) // 2 :]
+        if len(half) > 2:
+            slopes[name] = 60.0 * float(np.polyfit(np.arange(len(half)), half, 1)[0])
+    return slopes
+
+
+EXPERIMENT = Experiment(
+    "five processes over DDS: rate, late ticks, latency, CPU, memory; 2, 4, 8 robots",
+    "runs",
+    len(CASES),
+    run,
+    seconds=SECONDS,
+    soak=SOAK,
+)

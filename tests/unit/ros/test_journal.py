@@ -1,0 +1,72 @@
+"""What robot A tells of its absence, and who of the others is silent."""
+
+import pytest
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+from lexstack_core.transition.status import Phase, Source, TransitionState
+from lexstack_ros.journal import Journal
+from lexstack_ros.watch import Watch
+
+
+def told(reason):
+    return TransitionState(
+        1, "a", "b", Source.ROBOT_B, "bridge", Phase.BLENDING, 0.5, 1.0, 0.0, reason
+    )
+
+
+def test_robot_a_tells_when_it_was_away():
+    journal = Journal(10)
+    assert [journal.arrive(tick) for tick in (0, 1, 2, 12)] == [""] * 4
+    assert journal.arrive(23) == "robot A was away from tick 13 to 22"
+    assert Journal(10).arrive(500) == "robot A began at tick 500"
+    assert Journal(10).arrive(3) == ""
+    journal.begin_anew()
+    assert journal.arrive(0) == "the plant began anew, robot A at tick 0"
+    assert journal.arrive(1) == ""
+
+
+def test_a_reason_is_reported_once_even_if_it_has_gone_again():
+    journal = Journal(10)
+    for reason in ("", "robot B lost", "robot B lost", ""):
+        journal.see([told(reason), told(reason)])
+    assert journal.report() == "robot B lost"
+    assert journal.report() == ""
+    journal.see([told("robot B lost")])
+    assert journal.report() == "robot B lost"
+    journal.see([told("robot B lost")])
+    assert journal.report() == "", "it only stands there still"
+
+
+@pytest.fixture
+def node():
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=204)
+    node = rclpy.create_node("hqp_controller", context=context)
+    yield node
+    node.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+def test_who_is_silent_is_named_until_it_speaks_or_is_gone(node):
+    now = [0.0]
+    watch = Watch(node, lambda: now[0])
+
+    def speak(name, hardware="lexstack"):
+        status = DiagnosticStatus(name=name, hardware_id=hardware)
+        watch.hear(DiagnosticArray(status=[status]))
+
+    for name in ("recorder", "stack_solver", "hqp_controller"):
+        speak(name)
+    speak("camera", "other")
+    now[0] = 2.0
+    assert watch.report() == ""
+    speak("recorder")
+    now[0] = 3.0
+    assert watch.report() == "stack_solver is silent for 3 s"
+    speak("stack_solver")
+    assert watch.report() == ""
+    now[0] = 10.0
+    assert watch.report() == "recorder is silent for 8 s, stack_solver is silent for 7 s"
+    now[0] = 100.0
+    assert watch.report() == ""
