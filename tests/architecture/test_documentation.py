@@ -136,12 +136,16 @@ def leaks(text):
 
 
 def endpoints():
-    """Return name -> type of every topic and service in the code; {..} stands for any name."""
+    """Return name -> type of every topic, service and action in the code; {..}: any name."""
     pattern = re.compile(
-        r"create_(?:publisher|subscription|service)\(\s*(\w+),\s*(?:f?\"([^\"]+)\"|(\w+))"
+        r"(?:create_(?:publisher|subscription|service)\(|Server\(\s*self,)"  # or of an action
+        r"\s*(\w+),\s*(?:f?\"([^\"]+)\"|(\w+))"
     )
     code, found = packages(), {}
-    for kind, literal, variable in pattern.findall(code):
+    for type_, literal, variable in pattern.findall(code):
+        # A type that may not be installed is imported by name.
+        optional = re.search(rf"\b{type_} = importlib\.\S+\.(\w+)$", code, re.MULTILINE)
+        kind = optional.group(1) if optional else type_
         values = [literal] if literal else re.findall(rf"\b{variable} = f?\"(/[^\"]+)\"", code)
         found |= {name.replace("~", "/sim_bridge"): kind for name in values if "/" in name}
     kinds = re.search(r"_KINDS = \{([^}]+)\}", code).group(1)

@@ -4,12 +4,17 @@ import dataclasses
 import os
 import signal
 import time
+from functools import cache
 
 import numpy as np
 import pytest
 from rclpy.action import ActionClient
 from std_msgs.msg import String
 
+from lexstack_bag.commands.analyze import analyze
+from lexstack_bag.reader import read_run
+from lexstack_bag.replay.changes import Changes
+from lexstack_bag.replay.nodes import REPLAYERS, Question
 from lexstack_core.config.resolved import load_scenario
 from lexstack_core.htmpc import SequenceTask
 from lexstack_interfaces.action import ExecuteSequence
@@ -80,6 +85,34 @@ def test_two_lockstep_runs_are_equal_to_the_bit_whatever_goals_were_refused(deli
     chi = [chi_by_tick(folder / "bag", CHI) for folder in (delivery[0], tmp_path)]
     assert len(chi[0]) == 750
     assert chi[0] == chi[1]
+
+
+@pytest.mark.parametrize("node", REPLAYERS)
+def test_a_replay_gives_the_same_bits(delivery, node):
+    run = recorded(delivery[0])
+    found = REPLAYERS[node](Question(run, Changes(), run.resolved))
+    assert found.identical, found.line()
+    assert len(found.tick) > 50
+
+
+@cache
+def recorded(folder):
+    """Return the run in a folder."""
+    return read_run(folder)
+
+
+def test_metrics_and_report_tell_of_the_sequences(delivery):
+    folder, _ = delivery
+    metrics = analyze(folder / "bag")
+    assert [(one.robot, one.done, one.count) for one in metrics.sequences] == [
+        ("robot_a", 2, 2),
+        ("robot_b", 2, 2),
+    ]
+    assert all(1.0 < one.completion_s < 6.0 for one in metrics.sequences)
+    assert all(one.failed_plans == 0 for one in metrics.sequences)
+    html = (folder / "report.html").read_text(encoding="utf-8")
+    for name in ("tasks", "sequence-paths", "level-errors", "plan-times"):
+        assert f"data-figure='{name}'" in html
 
 
 def refused(run):

@@ -82,5 +82,7 @@ def test_the_file_has_the_promised_keys(metrics):
         "solve_us",
         "messages",
         "recorder_lost",
+        "sequences",
+        "st_over_ht",
     ]
     assert "NaN" not in metrics.to_json()

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from difflib import SequenceMatcher
+from itertools import zip_longest
 from typing import Any, Literal
 
 from lexstack_bag.metrics import Metrics, PhaseMetrics
@@ -20,6 +21,7 @@ _LESS_IS_BETTER = (
     "error",
     "ratio",
     "settled",
+    "completion",
     "late ticks",
     "missing ticks",
     "empty bounds",
@@ -97,13 +99,21 @@ def compare_metrics(
     one, other = asdict(first), asdict(second)
     setup = {key: (str(one.pop(key)), str(other.pop(key))) for key in _SETUP}
     messages = (one.pop("messages"), other.pop("messages"))
-    one.pop("phases"), other.pop("phases")
+    for key in ("phases", "sequences"):
+        one.pop(key), other.pop(key)
     differences = [*_differences(RUN, one, other)]
     for place, (left, right) in enumerate(_paired(first.phases, second.phases), start=1):
         either = left or right
         assert either is not None
         group = f"phase {place}: {either.stack}"
         differences += _differences(group, _figures(left), _figures(right))
+    for place, (one_of, other_of) in enumerate(
+        zip_longest(first.sequences, second.sequences), start=1
+    ):
+        titles = dict.fromkeys(each.title for each in (one_of, other_of) if each is not None)
+        group = f"sequence {place}: {' | '.join(titles)}"
+        pair = [{} if each is None else asdict(each) for each in (one_of, other_of)]
+        differences += _differences(group, pair[0], pair[1])
     differences += _differences(MESSAGES, *messages)
     return Comparison(names, setup, tuple(differences))
 

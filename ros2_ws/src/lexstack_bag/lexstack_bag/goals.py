@@ -11,6 +11,7 @@ from lexstack_bag.relations import TITLES
 PAPER_SEQUENCE = "transition-sequence"
 """The scenario that repeats the paper's Figs. 5 to 9."""
 
+_RATIO = 2.3  # H, Sec. V-D
 _ROUNDING = 1e-4  # of a ratio that meets its limit exactly
 
 
@@ -23,16 +24,22 @@ class Goal:
     limit: float
     unit: str
     value: float | None  # None: the run does not show it
+    least: bool = False  # whether more is better
 
     @property
     def reached(self) -> bool | None:
         """Whether the run is within the limit; None where it does not show the quantity."""
-        return None if self.value is None else self.value <= self.limit + _ROUNDING
+        if self.value is None:
+            return None
+        if self.least:
+            return self.value >= self.limit - _ROUNDING
+        return self.value <= self.limit + _ROUNDING
 
     @property
     def goal(self) -> str:
         """The limit in words."""
-        return f"≤ {self.limit:g} {self.unit}".strip() if self.limit else "0"
+        sign = "≥" if self.least else "≤"
+        return f"{sign} {self.limit:g} {self.unit}".strip() if self.limit else "0"
 
     @property
     def ours(self) -> str:
@@ -48,7 +55,8 @@ def goals_of(metrics: Metrics) -> tuple[Goal, ...]:
     """Return the goals; (A) is the first phase whose stack has a base task.
 
     Only the paper's own sequence is held against the paper; of any other run only what must
-    hold always: the command within its limits, and never an empty box.
+    hold always: the command within its limits, and never an empty box; and that the sequences of
+    the HTMPC, if any, were completed.
     """
     always = (
         Goal(
@@ -61,7 +69,7 @@ def goals_of(metrics: Metrics) -> tuple[Goal, ...]:
         Goal("Ticks with an empty box of bounds", "–", 0.0, "", float(metrics.empty_bounds)),
     )
     if metrics.scenario != PAPER_SEQUENCE:
-        return always
+        return (*always, *_of_sequences(metrics))
     after_a = next((phase for phase in metrics.phases if phase.base_error_mm), None)
     last = metrics.phases[-1]
     switches = metrics.phases[1:]
@@ -79,6 +87,18 @@ def goals_of(metrics: Metrics) -> tuple[Goal, ...]:
             float(unfinished) if switches else None,
         ),
     )
+
+
+def _of_sequences(metrics: Metrics) -> tuple[Goal, ...]:
+    """Return the goals of a run with sequences of tasks."""
+    count = sum(sequence.count for sequence in metrics.sequences)
+    left = count - sum(sequence.done for sequence in metrics.sequences)
+    done = Goal(f"Tasks of sequences not done, of {count}", "0", 0.0, "", float(left))
+    ratio = Goal(
+        "Time of ST-Arch / time of HT-Arch", "2.3", _RATIO, "", metrics.st_over_ht, least=True
+    )
+    compared = {sequence.architecture for sequence in metrics.sequences} == {"ht", "st"}
+    return ((done, ratio) if compared else (done,)) if metrics.sequences else ()
 
 
 def _worst_ee(phase: PhaseMetrics | None) -> float | None:
@@ -114,10 +134,28 @@ def summary_lines(metrics: Metrics) -> list[str]:
         f"{_pair(phase.base_error_mm):>16}{_text(phase.peak_acceleration_ratio, 3):>12}"
         for phase in metrics.phases
     ]
+    lines += _sequence_lines(metrics)
     for key, title in TITLES.items():
         values = [(phase.stack, getattr(phase, key)) for phase in metrics.phases]
         told = ", ".join(f"{stack} {_pair(found)}" for stack, found in values if found)
         lines += [f"{title}: {told}"] if told else []
+    return lines
+
+
+def _sequence_lines(metrics: Metrics) -> list[str]:
+    """Return the sequences as lines of plain text."""
+    if not metrics.sequences:
+        return []
+    head = f"{'sequence':22}{'begun s':>9}{'done':>10}{'completed in s':>16}{'plans Hz':>10}"
+    lines = ["", f"{head}{'solve ms':>10}{'p99 ms':>8}"]
+    for one in metrics.sequences:
+        solve = metrics.solve_us[f"htmpc, {one.robot}"]
+        median, p99 = (None if solve[k] is None else 1e-3 * solve[k] for k in ("median", "p99"))
+        lines.append(
+            f"{one.title:22}{one.begun_s:>9.2f}{f'{one.done} of {one.count}':>10}"
+            f"{_text(one.completion_s):>16}{_text(one.plans_hz, 1):>10}{_text(median):>10}"
+            f"{_text(p99):>8}"
+        )
     return lines
 
 

@@ -13,6 +13,7 @@ from lexstack_bag.measures import COMMANDER, Measures
 from lexstack_bag.phases import BASE_TASKS, EE_TASKS, Phase, tasks_of
 from lexstack_bag.relations import PerRobot, relations_of
 from lexstack_bag.run import Integers, Run, SolveStatus
+from lexstack_bag.sequences import SequenceMetrics, ratio_of, sequences_of
 from lexstack_bag.settling import settled_after
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
@@ -61,6 +62,8 @@ class Metrics:
     solve_us: dict[str, dict[str, float | None]]
     messages: dict[str, int]
     recorder_lost: int
+    sequences: tuple[SequenceMetrics, ...] = ()
+    st_over_ht: float | None = None  # time of ST-Arch over that of HT-Arch, where both are there
 
     def to_json(self) -> str:
         """Return the text of ``metrics.json``; it never holds NaN."""
@@ -70,6 +73,10 @@ class Metrics:
 def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> Metrics:
     """Return the figures of a run."""
     scenario, command, team = run.resolved.scenario, run.chi[COMMANDER], run.team()
+    sequences = sequences_of(run)
+    solve_times = {name: chi.solve_time for name, chi in run.chi.items()}
+    for robot, planning in run.planning.items():
+        solve_times[f"htmpc, {robot}"] = planning.progress.solve_time
     return Metrics(
         scenario=scenario.name,
         mode=scenario.mode,
@@ -81,19 +88,22 @@ def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> 
         empty_bounds=_empty_bounds(run),
         solver_failures=sum(
             int(np.count_nonzero(chi.status != SolveStatus.SOLVED)) for chi in run.chi.values()
-        ),
+        )
+        + sum(sequence.failed_plans for sequence in sequences),
         peak_acceleration_ratio=_peak(measures.acceleration_ratio),
         peak_jerk_ratio=_peak(measures.jerk_ratio),
         phases=tuple(_phase(run, team, measures, phase) for phase in phases),
         solve_us={
             name: {
-                "median": _percentile(1e6 * chi.solve_time, 50),
-                "p99": _percentile(1e6 * chi.solve_time, 99),
+                "median": _percentile(1e6 * times, 50),
+                "p99": _percentile(1e6 * times, 99),
             }
-            for name, chi in run.chi.items()
+            for name, times in solve_times.items()
         },
         messages=run.messages,
         recorder_lost=run.lost,
+        sequences=sequences,
+        st_over_ht=ratio_of(sequences),
     )
 
 

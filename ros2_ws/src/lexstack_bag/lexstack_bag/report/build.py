@@ -8,7 +8,7 @@ from pathlib import Path
 from lexstack_bag.measures import Measures
 from lexstack_bag.metrics import Metrics
 from lexstack_bag.phases import Phase
-from lexstack_bag.report import control, motion, switches, view
+from lexstack_bag.report import control, motion, sequences, switches, view
 from lexstack_bag.report.page import page
 from lexstack_bag.report.pictures import pictures
 from lexstack_bag.report.traces import Grid
@@ -28,6 +28,7 @@ def write_report(
     levels = control.levels(run, phases, grid)
     figures = [
         motion.stacks(phases, grid),
+        *sequences.figures(run, measures, phases, metrics),
         motion.poses(run, measures, phases, grid),
         motion.errors(run, measures, phases, grid),
         motion.from_above(run, measures),

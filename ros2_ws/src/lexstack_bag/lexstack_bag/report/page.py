@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from html import escape
 
 from lexstack_bag.metrics import STEADY_WINDOW, Metrics
-from lexstack_bag.report import inline, tables
+from lexstack_bag.report import inline, sequences, tables
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.pictures import Picture
 from lexstack_bag.run import Run
@@ -103,7 +103,7 @@ def _figures_first(metrics: Metrics) -> str:
         f"phase has settled once every error stays within {SETTLED_BAND:g} mm (arm posture: "
         f"{SETTLED_BAND:g} mrad) of its steady state; <i>blend</i> is the time from the trigger "
         "until robot A has taken the stack over. A dash: the stack has no such task.</p>"
-        f"{tables.phases_table(metrics)}</section>"
+        f"{tables.phases_table(metrics)}</section>{sequences.section(metrics)}"
     )
 
 

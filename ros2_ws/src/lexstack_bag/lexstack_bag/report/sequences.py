@@ -1,0 +1,228 @@
+"""Figures and table of the sequences of tasks that the HTMPC executed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+
+from lexstack_bag.measures import Measures
+from lexstack_bag.metrics import Metrics
+from lexstack_bag.phases import Phase
+from lexstack_bag.report.blocks import Path, Span, paths_from_above, series, timeline
+from lexstack_bag.report.figure import Figure
+from lexstack_bag.report.tables import number, table
+from lexstack_bag.report.traces import SERIES
+from lexstack_bag.run import ProgressStream, Run
+from lexstack_bag.sequences import STEADY_WINDOW, SequenceMetrics, goals_in
+from lexstack_core.linear import Matrix, Vector
+
+_LEAST = 1e-3  # mm: a logarithm has no zero
+_PLACES = 1e-3  # m, goals nearer to each other are one
+_FINEST = 1e-9  # s
+
+
+def figures(
+    run: Run, measures: Measures, phases: Sequence[Phase], metrics: Metrics
+) -> list[Figure]:
+    """Return the figures of a run's sequences; none without sequences."""
+    if not metrics.sequences:
+        return []
+    return [
+        _tasks(metrics.sequences, measures),
+        _from_above(run, measures, metrics.sequences),
+        _errors(run, phases),
+        _solve_times(run, phases),
+    ]
+
+
+def section(metrics: Metrics) -> str:
+    """Return the table of sequences and the one of their tasks, as HTML; '' without sequences."""
+    if not metrics.sequences:
+        return ""
+    ratio = metrics.st_over_ht
+    told = f" ST-Arch took <b>{ratio:.2f}</b> times as long as HT-Arch." if ratio else ""
+    count = sum(len(one.tasks) for one in metrics.sequences)
+    return (
+        "<section id='sequences'><h2>Sequences of tasks</h2><p class='caption'>Executed by the "
+        "hierarchical-task MPC. HT-Arch: two tasks at a time, the whole robot for both; ST-Arch: "
+        f"one at a time, arm and base apart.{told}</p>{_sequences_table(metrics.sequences)}"
+        f"<details><summary>{count} tasks</summary><p class='caption'>A task takes from when it is "
+        "the first that is not done; HT-Arch works on it already while the one before it is. Its "
+        f"error is that of its goal, mean over the last {STEADY_WINDOW:g} s before it is done."
+        f"</p>{_tasks_table(metrics.sequences)}</details></section>"
+    )
+
+
+def _sequences_table(sequences: Sequence[SequenceMetrics]) -> str:
+    """Return a row for every sequence."""
+    head = ["robot", "architecture", "begun [s]", "tasks done", "completed in [s]", "plans [Hz]"]
+    head += ["failed plans", "mean error of the levels [mm]"]
+    rows = [
+        [
+            f"<b>{escape(one.robot)}</b>",
+            f"{one.architecture.upper()}-Arch",
+            f"{one.begun_s:.2f}",
+            f"{one.done} of {one.count}",
+            number(one.completion_s, 2),
+            number(one.plans_hz, 1),
+            f"{one.failed_plans}",
+            ", ".join(number(value, 1) for value in one.level_error_mm.values()),
+        ]
+        for one in sequences
+    ]
+    return table(head, rows, "sequences")
+
+
+def _tasks_table(sequences: Sequence[SequenceMetrics]) -> str:
+    """Return a row for every task."""
+    head = ["sequence", "task", "first from [s]", "done at [s]", "took [s]", "error [mm]"]
+    rows = [
+        [
+            escape(one.title),
+            escape(task.name),
+            f"{task.first_s:.2f}",
+            number(task.done_s, 2),
+            number(None if task.done_s is None else task.done_s - task.first_s, 2),
+            number(task.error_mm, 2),
+        ]
+        for one in sequences
+        for task in one.tasks
+    ]
+    return table(head, rows, "tasks")
+
+
+def _tasks(sequences: Sequence[SequenceMetrics], measures: Measures) -> Figure:
+    """Return which task was the first one when."""
+    spans = [
+        Span(one.title, _kind(task.name), task.first_s, task.done_s or one.end_s)
+        for one in sequences
+        for task in one.tasks
+    ]
+    whole = float(measures.time[0]), float(measures.time[-1])
+    return timeline(
+        "tasks",
+        "Tasks over time",
+        "Which task was the first one that was not done. Rounds of one task have one colour.",
+        spans,
+        whole,
+    )
+
+
+def _from_above(run: Run, measures: Measures, sequences: Sequence[SequenceMetrics]) -> Figure:
+    """Return the ways of bases and tools while sequences were under way, and their goals.
+
+    Two architectures are laid over each other, from where each base began.
+    """
+    compared = len({one.architecture for one in sequences}) > 1
+    paths = []
+    for i, one in enumerate(sequences):
+        inside = (measures.time >= one.begun_s) & (measures.time <= one.end_s)
+        robot, color = run.robots.index(one.robot), SERIES[i % len(SERIES)]
+        x0, y0 = _origin(run, one.robot) if compared else (0.0, 0.0)
+        for what, places, dash in (("base", measures.base, "solid"), ("tool", measures.ee, "dot")):
+            x, y = places[inside, robot, 0] - x0, places[inside, robot, 1] - y0
+            paths.append(Path(f"{one.title}: {what}", x, y, color, dash))
+    where = "Both from where their bases began. " if compared else ""
+    return paths_from_above(
+        "sequence-paths",
+        "The ways of the sequences, from above",
+        f"{where}Solid: the bases; dotted: the tools; a dot: where they began. Symbols: the tasks' "
+        "goals.",
+        paths,
+        _goals(run, relative=compared),
+    )
+
+
+def _goals(run: Run, *, relative: bool) -> dict[str, tuple[float, float]]:
+    """Return where the tasks' goals are, by name [m]; those at one place once."""
+    goals: dict[str, tuple[float, float]] = {}
+    for name, planning in run.planning.items():
+        x0, y0 = _origin(run, name) if relative else (0.0, 0.0)
+        for task in goals_in(planning).values():
+            x, y = task.points[-1][0] - x0, task.points[-1][1] - y0
+            known = any(abs(x - a) + abs(y - b) < _PLACES for a, b in goals.values())
+            whose = "" if len(run.planning) == 1 or relative else f", {name}"
+            if not known:
+                goals.setdefault(_kind(task.name) + whose, (x, y))
+    return goals
+
+
+def _origin(run: Run, robot: str) -> tuple[float, float]:
+    """Return where a robot's base began [m]."""
+    x, y, _ = run.resolved.scenario.robots[robot].base
+    return x, y
+
+
+def _errors(run: Run, phases: Sequence[Phase]) -> Figure:
+    """Return how far each level is from its reference, on logarithmic axes."""
+    time, places = _times(run)
+    rows = []
+    for name, planning in run.planning.items():
+        progress = planning.progress
+        errors = np.maximum(1e3 * np.asarray(progress.errors), _LEAST)
+        goal = np.maximum(1e3 * progress.error, _LEAST)
+        values = {
+            f"{name}, level {k + 1}": _placed(column, places[name], len(time))
+            for k, column in enumerate(errors.T)
+        }
+        values[f"{name}, goal of the first task"] = _placed(goal, places[name], len(time))
+        rows.append((f"{name}: distance", "mm", values))
+    return series(
+        "level-errors",
+        "Errors of the levels of the MPC",
+        "Logarithmic. Of each level the distance from its reference at that time; and how far the "
+        "first task's goal still is. Values below 1 µm are drawn at 1 µm.",
+        time,
+        rows,
+        log=True,
+        phases=phases,
+    )
+
+
+def _solve_times(run: Run, phases: Sequence[Phase]) -> Figure:
+    """Return the solve time of every plan."""
+    time, places = _times(run)
+    values = {
+        name: _placed(1e3 * planning.progress.solve_time, places[name], len(time))
+        for name, planning in run.planning.items()
+    }
+    period = 1e3 / run.resolved.scenario.htmpc.rate
+    return series(
+        "plan-times",
+        "Solve times of the MPC",
+        f"Wall time of every plan; one is due every {period:g} ms.",
+        time,
+        [("solve time", "ms", values)],
+        phases=phases,
+    )
+
+
+def _times(run: Run) -> tuple[Vector, dict[str, Matrix]]:
+    """Return the even times of plans [s], and where on them each robot's plans are."""
+    streams: dict[str, ProgressStream] = {
+        name: planning.progress for name, planning in run.planning.items()
+    }
+    stamps = np.unique(np.concatenate([stream.stamp for stream in streams.values()]))
+    steps = np.diff(stamps)
+    period = run.resolved.scenario.htmpc.ticks(run.resolved.scenario.rate) * run.period
+    step = min(float(steps[steps > _FINEST].min(initial=period)), period)
+    count = round(float(stamps[-1] - stamps[0]) / step) + 1
+    places = {
+        name: np.round((stream.stamp - stamps[0]) / step).astype(np.int64)
+        for name, stream in streams.items()
+    }
+    return stamps[0] + step * np.arange(count), places
+
+
+def _placed(values: Vector, places: Matrix, count: int) -> Vector:
+    """Return values at their places, shape (count,), nan where there are none."""
+    found = np.full(count, np.nan)
+    found[places] = values
+    return found
+
+
+def _kind(name: str) -> str:
+    """Return a task's name without its round."""
+    return name.partition("#")[0]
