@@ -94,8 +94,8 @@ def test_a_waypoint_is_reached_with_the_base_on_its_line():
     arrived = record.times[np.flatnonzero(errors > 0.02)[-1]]
     assert arrived < 3.5
     off = np.linalg.norm(record.q[:, :2] - line.at(record.times), axis=1)
-    assert off[record.times > arrived + 2.5].max() < 0.05, "nothing of the tool's keeps it off"
-    assert errors[record.times > arrived + 2.5].max() < 0.01
+    assert off[record.times > 6.0].max() < 0.05, "nothing of the tool's keeps it off"
+    assert errors[record.times > 6.0].max() < 0.01
     alone = follow_htmpc(optimiser(), HOME, tracks[:1], 8.0)
     assert np.linalg.norm(alone.q[-1, :2] - [2.0, 0.0]) > 0.2, "without the task it stays away"
     assert np.all(np.abs(record.v) <= robot().limits.velocity + 1e-7)

@@ -27,6 +27,7 @@ def test_every_baseline_loads(path):
 def test_the_authors_values_are_theirs():
     own = load_htmpc(FOLDER / "authors.yaml")
     assert (own.horizon, own.step, own.iterations, own.lexicographic) == (10, 0.1, 1, "axis")
+    assert own.enough == 0.0
     assert (own.ee.stage, own.ee.terminal, own.base.stage, own.base.terminal) == (1, 10, 1, 10)
     effort = own.effort
     assert (effort.base_velocity, effort.arm_velocity) == (0.1, 0.1)
@@ -44,13 +45,14 @@ def test_both_gain_sets_of_htidkc_are_there():
     theirs = load_htidkc(FOLDER / "baselines" / "htidkc-authors.yaml")
     assert (theirs.rate, theirs.ee_gain, theirs.base_gain, theirs.damping) == (50, 0.5, 0.3, 0.01)
     tuned = load_htidkc(FOLDER / "baselines" / "htidkc-tuned.yaml")
-    assert (tuned.ee_gain, tuned.base_gain) == (2.0, 1.0)
+    assert (tuned.ee_gain, tuned.base_gain) == (12.8, 1.21)
 
 
 MISTAKES = {
     "horizon: must be in": {"horizon": 1},
     "step: must be finite and > 0": {"step": 0.0},
     "iterations: must be at least 1": {"iterations": 0},
+    "enough: must be finite and >= 0": {"enough": -0.01},
     "lexicographic: 'best' is not one of": {"lexicographic": "best"},
     "correction: needs lexicographic: axis": {"correction": True, "lexicographic": "sum"},
     "unknown key 'horizont'": {"horizont": 10},

@@ -63,11 +63,24 @@ def test_what_is_not_finite_fails(monkeypatch):
 
 
 def test_at_its_optimum_a_level_has_converged_and_not_failed():
-    solver = optimiser(iterations=30, hard_limits=False)
+    solver = optimiser(iterations=30, enough=0.0, hard_limits=False)
     start, objectives = hold_and_reach(solver)
     plan = solver.solve(start, objectives[:1])
     assert plan.levels[0].outcome is Outcome.CONVERGED
     assert plan.levels[0].succeeded
+
+
+def test_a_level_goes_on_while_its_task_gains_enough_and_no_longer():
+    every = optimiser(iterations=10, enough=0.0)
+    start, objectives = hold_and_reach(every)
+    counts, gains = [], []
+    for enough in (0.0, 0.01, 0.2, 1e9):
+        plan = optimiser(iterations=10, enough=enough).solve(start, objectives)
+        counts.append(plan.levels[1].iterations)
+        gains.append(plan.levels[1].decrease)
+    assert counts[0] == 10
+    assert counts[0] > counts[1] > counts[2] > counts[3] == 1
+    assert gains[0] >= gains[1] > gains[2] > gains[3] > 0.0
 
 
 @pytest.mark.parametrize("correction", [False, True])

@@ -117,6 +117,7 @@ class HtmpcConfig:
     horizon: int  # N, stages
     step: float  # s, length of a stage
     iterations: int  # MAX_ITER of Algorithm 2, per level
+    enough: float  # of the cost: the last iteration is one whose task gains less; 0: never enough
     lexicographic: Constraint  # H(11) as printed (sum), H(11) per stage, or H(12) (axis)
     correction: bool  # second-order correction: one more solve with the true errors of the step
     resume: bool  # a level below may begin at the plan before, where it costs less and H(13) holds
@@ -137,6 +138,7 @@ class HtmpcConfig:
         positive(where, step=self.step)
         if self.correction and self.lexicographic != "axis":
             raise ConfigurationError(f"{where}: correction: needs lexicographic: axis")
+        not_negative(where, enough=self.enough)
         if self.iterations < 1:
             raise ConfigurationError(
                 f"{where}: iterations: must be at least 1, got {self.iterations}"

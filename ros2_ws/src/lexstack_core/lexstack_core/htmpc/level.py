@@ -76,11 +76,25 @@ class Level:
         for _ in range(self._config.iterations):
             step = self._step(iterate)
             steps.append(step)
-            iterate = step.iterate
-            if step.outcome is not Outcome.STEPPED:
+            before, iterate = iterate, step.iterate
+            if step.outcome is not Outcome.STEPPED or self._enough(before, iterate):
                 break
         last = self._program.cost(iterate, self._task)
         return iterate, self._status(steps, first - last, iterate)
+
+    def _enough(self, before: Iterate, after: Iterate) -> bool:
+        """Return whether another iteration is not worth its time: the task hardly gained by this.
+
+        The task's own part counts: level 1 could always go on to save effort, which the levels
+        below spend again.
+        """
+        least = self._config.enough * abs(self._program.cost(before, self._task))
+        gained = self._cost(before) - self._cost(after)
+        return self._config.enough > 0.0 and gained < least
+
+    def _cost(self, iterate: Iterate) -> float:
+        """Return J of H(8) alone."""
+        return self._task.cost(self._task.error(iterate.at))
 
     def _status(self, steps: list[_Step], decrease: float, iterate: Iterate) -> LevelStatus:
         """Return the level's status: its last iteration decides, but a step stays a step."""
@@ -96,7 +110,7 @@ class Level:
             trials=sum(step.trials for step in steps),
             blocked_by=next((s.blocked_by for s in reversed(steps) if s.blocked_by), ""),
             qp=steps[-1].qp,
-            cost=self._task.cost(self._task.error(iterate.at)),
+            cost=self._cost(iterate),
             decrease=decrease,
         )
 

@@ -34,7 +34,7 @@ from lexstack_experiments.experiments.htmpc_runs import (
 from lexstack_experiments.results import Figure, Results, Table
 
 NAME = "tune-htmpc"
-TRIALS = 40
+TRIALS = 30
 PEAKS = 4
 SEED = 1000  # added to --seed: no table draws its peaks from there
 MEAN, PEAK = 0.75, 8.0  # mm that the tool may be off without a fine
@@ -44,6 +44,7 @@ _SMALL = 1e-3
 _GUESS = {
     "ee": 100.0,
     "base": 100.0,
+    "end": 10.0,
     "tolerance": 0.001,
     "velocity": 0.1,
     "base_input": 0.1,
@@ -156,15 +157,16 @@ def subjects(config: Path) -> tuple[Subject, ...]:
 
 
 def _subject_htmpc(config: HtmpcConfig, preview: bool) -> Subject:
-    """Return an HTMPC to tune: weights of tasks and effort, and delta; P stays 10 Q."""
+    """Return an HTMPC to tune: weights of tasks and effort, P / Q, and delta."""
     return Subject(
         config.name,
         {
             "ee": (30.0, 3000.0),
             "base": (10.0, 1000.0),
+            "end": (0.5, 20.0),
             "tolerance": (0.0003, 0.01),
             "velocity": (0.001, 0.3),
-            "base_input": (0.01, 0.3),
+            "base_input": (0.002, 0.3),
             "arm_input": (0.002, 0.1),
             "base_change": (_SMALL, 0.3),
         },
@@ -176,11 +178,11 @@ def _subject_htmpc(config: HtmpcConfig, preview: bool) -> Subject:
 
 def changed(config: HtmpcConfig, values: dict[str, float]) -> HtmpcConfig:
     """Return parameters with the tuned values in place."""
-    ee, base = values["ee"], values["base"]
+    ee, base, end = values["ee"], values["base"], values["end"]
     return replace(
         config,
-        ee=replace(config.ee, stage=ee, terminal=10.0 * ee, tolerance=values["tolerance"]),
-        base=replace(config.base, stage=base, terminal=10.0 * base),
+        ee=replace(config.ee, stage=ee, terminal=end * ee, tolerance=values["tolerance"]),
+        base=replace(config.base, stage=base, terminal=end * base),
         effort=replace(
             config.effort,
             base_velocity=values["velocity"],
