@@ -53,6 +53,7 @@ _COLUMNS = (
     "ms p50",
     "ms p99",
     "ms worst",
+    "ms mean",
     "cpu ms p50",
     "cpu ms p99",
     "failed",
@@ -104,7 +105,7 @@ class Loop:
         chosen = _chosen(robot) if row.spheres else ()
         self._optimiser = Htmpc(robot, config, chosen)
         self._q, self._v = robot.home((0.0, 0.0, 0.0)), np.zeros(robot.n)
-        self._tracks = _tracks(robot, options)
+        self._tracks = tracks_of(robot, options)
         self._plan: Plan | None = None
         self._every = max(1, options.cases // _PAPER)
         self._paper: PaperHtmpc | None = None
@@ -160,6 +161,7 @@ class Loop:
             self.p50,
             self.p99,
             _MS * max(self.wall),
+            _MS * float(np.mean(self.wall)),
             self.cpu_p50,
             _MS * float(np.percentile(self.cpu, 99)),
             self.failed,
@@ -262,7 +264,7 @@ def _figures(loops: dict[Row, Loop], paper: str) -> list[Figure]:
     return [*figures, Figure("Solves with a failed level", float(failed), "", Goal("==", 0.0))]
 
 
-def _tracks(robot: RobotModel, options: Options) -> tuple[Track, Track]:
+def tracks_of(robot: RobotModel, options: Options) -> tuple[Track, Track]:
     """Return the tasks: hold the tool at home; the base between random peaks and home."""
     rng = np.random.default_rng(options.seed)
     tool = robot.tool(robot.home((0.0, 0.0, 0.0)))[0].position

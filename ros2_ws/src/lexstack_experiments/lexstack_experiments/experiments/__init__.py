@@ -5,6 +5,7 @@ from lexstack_experiments.experiments import (
     computation,
     delivery,
     faults,
+    htmpc_computation,
     htmpc_tuning,
     lexicographic_constraints,
     obstacle,
@@ -34,6 +35,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "reactivity": reactivity.EXPERIMENT,
     "oracle": oracle_gap.EXPERIMENT,
     "faults": faults.EXPERIMENT,
+    "htmpc-computation": htmpc_computation.EXPERIMENT,
     "tune-htmpc": htmpc_tuning.EXPERIMENT,
 }
 

@@ -209,3 +209,18 @@ def draw_gaps(shares: Mapping[str, Vector], path: Path) -> None:
         panel.set_xlabel("cost above the optimum, of what there was to gain")
         panel.set_title("share of states; level, guess, iterations", loc="left")
         legend_beside(panel)
+
+
+def draw_times(curves: Mapping[str, Mapping[str, Sequence[tuple[int, float]]]], path: Path) -> None:
+    """Write solve times over N: points N and median [ms] for each curve, a panel a robot."""
+    names = sorted({name for each in curves.values() for name in each})
+    with picture(path, 1, len(curves), (8.0, 3.0)) as axes:
+        for panel, (robot, each) in zip(axes, curves.items(), strict=True):
+            for name, points in each.items():
+                line = "--" if name.endswith("spheres") else "-"
+                colour = COLOURS[names.index(name)]
+                panel.plot(*zip(*points, strict=True), f"o{line}", color=colour, label=name)
+            panel.set_yscale("log")
+            panel.set_xlabel("N")
+            panel.set_title(f"{robot}: median [ms]", loc="left")
+        legend_beside(axes[-1])
