@@ -39,7 +39,7 @@ def results_of(name, folder, cases):
     assert (content["name"], content["cases"]) == (name, cases)
     assert all(math.isfinite(number) for number in numbers(content))
     for picture in folder.glob("*.png"):
-        assert picture.stat().st_size < 100_000
+        assert picture.stat().st_size < 150_000
     figures = {figure["name"]: figure["value"] for figure in content["figures"]}
     return figures, [table["rows"] for table in content["tables"]], content
 

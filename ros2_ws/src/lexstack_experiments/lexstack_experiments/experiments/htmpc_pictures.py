@@ -22,7 +22,7 @@ _PEOPLE = {"red": "#d55e00", "blue": "#0072b2", "yellow": "#e6c200"}
 
 def draw_constraints(curves: Mapping[str, Mapping[str, Wave]], half: float, path: Path) -> None:
     """Write H Fig. 5: the base error over time, a panel for each set of weights."""
-    with picture(path, len(curves), 1, (8.0, 0.4 + 2.0 * len(curves))) as axes:
+    with picture(path, len(curves), 1, (7.2, 0.4 + 1.6 * len(curves))) as axes:
         for panel, (name, waves) in zip(axes, curves.items(), strict=True):
             for k, (label, wave) in enumerate(waves.items()):
                 line = "-" if k % 2 else "--"  # low tolerance dashed
@@ -42,7 +42,7 @@ def draw_constraints(curves: Mapping[str, Mapping[str, Wave]], half: float, path
 
 def draw_waves(waves: Mapping[str, Wave], half: float, path: Path) -> None:
     """Write H Fig. 4: base and tool errors of the example over time, a curve for each way."""
-    with picture(path, 2, 1, (8.0, 4.2)) as axes:
+    with picture(path, 2, 1, (7.2, 3.6)) as axes:
         for k, (name, wave) in enumerate(waves.items()):
             axes[0].plot(wave.times, wave.base, color=COLOURS[k], label=name)
             axes[1].plot(wave.times, wave.tool, color=COLOURS[k])

@@ -89,6 +89,12 @@ class Wave:
         )
 
     @property
+    def blind(self) -> float:
+        """The normalised base error from the start until a horizon sees the step [s]."""
+        inside = self.times <= HALF - SEEN + 1e-9
+        return float(np.trapezoid(self.base[inside], self.times[inside]))
+
+    @property
     def off(self) -> tuple[float, float]:
         """How far the base error is from its optimum at the end of each part.
 
