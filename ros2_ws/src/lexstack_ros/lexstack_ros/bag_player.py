@@ -234,6 +234,7 @@ class BagPlayer(Node):
                 duration=wish.duration,
                 method=wish.method,
                 at_tick=wish.at_tick,
+                robots=list(wish.robots),
             )
             answer = self._call(self._switch, request)
             if not answer.accepted:

@@ -42,7 +42,12 @@ def replay_planner(question: Question) -> Outcome:
 
     Columns are the velocities of all robots with plans at all states of a horizon; nan where a
     robot has no plan of the tick.
+
+    Raises:
+        BagError: the bag holds no plans, or a change without what it changes.
     """
+    if not question.run.planning:
+        raise BagError(f"{question.run.path}: holds no plan of the HTMPC")
     run, team = question.run, Team.from_scenario(question.resolved)
     scenario = question.resolved.scenario
     config, blend = question.resolved.htmpc[scenario.htmpc.parameters], scenario.transition.duration
