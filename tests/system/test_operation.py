@@ -12,6 +12,7 @@ import pytest
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParameters
+from rclpy.duration import Infinite
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible, qos_profile_sensor_data
 from std_srvs.srv import SetBool
@@ -27,20 +28,27 @@ PATIENCE = 20.0  # s
 ROBOTS = ("robot_a", "robot_b")
 TOOLS = [f"/{r}/{t}" for r in ROBOTS for t in ("joint_states", "ee_pose", "odom")]
 TARGETS = [f"/{r}/{t}" for r in ROBOTS for t in ("ee_target", "base_target")]
+REFERENCES = [f"/{r}/{t}" for r in ROBOTS for t in ("ee_reference", "base_reference")]
 ALWAYS = {"/rosout", "/parameter_events", "/diagnostics"}
 PUBLISHES = {
     "sim_bridge": {
         *("/plant/state", "/clock", *TOOLS),
         *(f"/{r}/robot_description" for r in ROBOTS),
     },
-    "hqp_controller": {"/robot_a/chi", "/robot_a/transition", "/robot_a/stack_request"},
+    "hqp_controller": {
+        *("/robot_a/chi", "/robot_a/transition", "/robot_a/stack_request"),
+        *REFERENCES,
+    },
     "stack_solver": {"/robot_b/chi"},
     "recorder": set(),
 }
 HEARS = {
     "sim_bridge": {"/robot_a/chi"},
-    "hqp_controller": {"/plant/state", "/robot_b/chi", "/robot_a/request_stack", *TARGETS},
-    "stack_solver": {"/plant/state", "/robot_a/stack_request", *TARGETS},
+    "hqp_controller": {
+        *("/plant/state", "/robot_b/chi", "/htmpc/plan", "/robot_a/request_stack"),
+        *("/diagnostics", *TARGETS),
+    },
+    "stack_solver": {"/plant/state", "/robot_a/stack_request", *TARGETS, *REFERENCES},
 }
 SERVES = {
     "sim_bridge": {f"/sim_bridge/{s}" for s in ("pause", "step", "reset", "apply_wrench")},
@@ -175,7 +183,11 @@ def test_every_topic_is_heard_with_the_defaults_of_the_tools_and_hears_them(run)
     for topic in ("/robot_a/request_stack", *TARGETS):
         for end in graph.get_subscriptions_info_by_topic(topic):
             if end.node_name in HEARS:
-                fits, why = qos_check_compatible(QoSProfile(depth=10), end.qos_profile)
+                # What ``ros2 topic pub`` offers; the graph names what is infinite by its value.
+                offered = QoSProfile(
+                    depth=10, deadline=Infinite, liveliness_lease_duration=Infinite
+                )
+                fits, why = qos_check_compatible(offered, end.qos_profile)
                 assert fits != QoSCompatibility.ERROR, (topic, why)
 
 

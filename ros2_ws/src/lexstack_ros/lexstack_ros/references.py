@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
+import numpy as np
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 
 from lexstack_core.errors import InputError
-from lexstack_core.model import Team
-from lexstack_core.references import ReferenceSchedule
-from lexstack_ros.conversions import to_base_target, to_ee_target
-from lexstack_ros.qos import STREAM
+from lexstack_core.model import Pose, Team
+from lexstack_core.references import References, ReferenceSchedule
+from lexstack_core.rotation import from_rpy, to_quaternion
+from lexstack_ros.conversions import pose_message, to_base_target, to_ee_target
+from lexstack_ros.qos import LATCHED, STREAM
 
 _KINDS = {"ee_target": to_ee_target, "base_target": to_base_target}
 
@@ -28,13 +32,85 @@ class TargetTopics:
             for kind in _KINDS:
                 topic = f"/{name}/{kind}"
                 node.create_subscription(
-                    PoseStamped, topic, partial(self._take, kind, robot, topic), STREAM
+                    PoseStamped, topic, partial(self.take, kind, robot, topic), STREAM
                 )
 
-    def _take(self, kind: str, robot: int, topic: str, message: PoseStamped) -> None:
+    def take(self, kind: str, robot: int, topic: str, message: PoseStamped) -> None:
         """Take one target; a stamp of the past means now."""
         try:
             self.schedule.add(_KINDS[kind](message, robot, topic))
         except InputError as error:
             self.refused += 1
             self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
+
+
+class ReferencesInEffect:
+    """/NAME/ee_reference and /NAME/base_reference, latched: what robot A goes by now.
+
+    For whoever comes later: a target is sent once, and a robot B that starts again has missed it.
+    """
+
+    def __init__(self, node: Node, team: Team) -> None:
+        """Create the publishers."""
+        self._told: References | None = None
+        self._ee: list[Publisher] = []
+        self._base: list[Publisher] = []
+        for name in team.names:
+            ee = node.create_publisher(PoseStamped, f"/{name}/ee_reference", LATCHED)
+            base = node.create_publisher(PoseStamped, f"/{name}/base_reference", LATCHED)
+            self._ee.append(ee)
+            self._base.append(base)
+
+    def tell(self, references: References, stamp: float) -> None:
+        """Publish what has changed since the last call, at a time [s]."""
+        before = self._told
+        if references is before:
+            return
+        self._told = references
+        for robot, ee in enumerate(references.ee):
+            if before is None or ee is not before.ee[robot]:
+                self._publish(self._ee[robot], ee, stamp)
+        for robot, base in enumerate(references.base):
+            if before is None or base is not before.base[robot]:
+                x, y, yaw = (float(value) for value in base)
+                pose = Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))
+                self._publish(self._base[robot], pose, stamp)
+
+    @staticmethod
+    def _publish(out: Publisher, pose: Pose, stamp: float) -> None:
+        """Publish one reference."""
+        out.publish(pose_message(pose, stamp, to_quaternion(pose.rotation)))
+
+
+class CatchingUp:
+    """What a node that comes late takes from them; one that was there from the start nothing."""
+
+    def __init__(
+        self, node: Node, team: Team, take: Callable[[str, int, str, PoseStamped], None]
+    ) -> None:
+        """Listen; ``take`` puts a target into the schedule, see TargetTopics."""
+        self._take = take
+        self._late: bool | None = None
+        self._waiting: list[tuple[str, int, str, PoseStamped]] = []
+        for robot, name in enumerate(team.names):
+            for kind, topic in (
+                ("ee_target", f"/{name}/ee_reference"),
+                ("base_target", f"/{name}/base_reference"),
+            ):
+                hear = partial(self._hear, kind, robot, topic)
+                node.create_subscription(PoseStamped, topic, hear, LATCHED)
+
+    def join(self, tick: int) -> None:
+        """Take note of the first state: a later one than the plant's first is late."""
+        if self._late is None:
+            self._late = tick > 0
+            waiting, self._waiting = self._waiting, []
+            for entry in waiting if self._late else ():
+                self._take(*entry)
+
+    def _hear(self, kind: str, robot: int, topic: str, message: PoseStamped) -> None:
+        """Keep a reference until it is known whether it is needed, or take it."""
+        if self._late is None:
+            self._waiting.append((kind, robot, topic, message))
+        elif self._late:
+            self._take(kind, robot, topic, message)

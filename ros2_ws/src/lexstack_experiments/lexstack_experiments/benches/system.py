@@ -214,13 +214,13 @@ def _figures(found: dict[str, list[dict[str, Any]]]) -> list[Figure]:
 
 
 def _slopes(phases: Sequence[dict[str, Any]]) -> dict[str, float]:
-    """Return how fast each process grows over the run's second half [kB/min], by least squares."""
+    """Return how fast each process grows in the run's last quarter [kB/min], by least squares."""
     slopes = {}
     for name in phases[0]["memory"]:
         sizes = [size for phase in phases for size in phase["memory"].get(name, ())]
-        half = sizes[len(sizes) // 2 :]
-        if len(half) > 2:
-            slopes[name] = 60.0 * float(np.polyfit(np.arange(len(half)), half, 1)[0])
+        last = sizes[3 * len(sizes) // 4 :]  # a process has met all its work by then
+        if len(last) > 2:
+            slopes[name] = 60.0 * float(np.polyfit(np.arange(len(last)), last, 1)[0])
     return slopes
 
 

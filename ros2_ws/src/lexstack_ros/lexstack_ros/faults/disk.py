@@ -15,7 +15,7 @@ from pathlib import Path
 
 from lexstack_ros.nodes.recorder import main as record
 
-_BYTES = 1_000_000
+_BYTES = 400_000
 
 
 @contextmanager

@@ -25,7 +25,7 @@ from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.plan_conversions import PLAN, to_plan
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import STREAM
-from lexstack_ros.references import TargetTopics
+from lexstack_ros.references import ReferencesInEffect, TargetTopics
 from lexstack_ros.requests import Requests
 from lexstack_ros.senders import AlreadyCommandedError, sender_name
 from lexstack_ros.spin import run_node
@@ -60,6 +60,7 @@ class HqpControllerNode(Node):
         self._chi_out = self.create_publisher(Chi, "/robot_a/chi", STREAM)
         self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
         self._targets = TargetTopics(self, self._parts.team, self._controller.references)
+        self._in_effect = ReferencesInEffect(self, self._parts.team)
         self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
         self.create_subscription(JointTrajectory, PLAN, self._on_plan, STREAM)
         self._requests = Requests(
@@ -127,6 +128,7 @@ class HqpControllerNode(Node):
         self._chi_out.publish(chi_of_command(command, self._chi))
         for transition in command.transitions:
             self._status_out.publish(transition_status(command, transition, self._status))
+        self._in_effect.tell(self._controller.references.at(state.stamp), state.stamp)
         self._journal.see(command.transitions)
         self._served = state.tick
         self._meter.add(command.solve_time)

@@ -20,7 +20,7 @@ from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.parameters import count_parameter, scenario_parameter
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import LATCHED, STREAM
-from lexstack_ros.references import TargetTopics
+from lexstack_ros.references import CatchingUp, TargetTopics
 from lexstack_ros.senders import sender_name
 from lexstack_ros.spin import run_node
 
@@ -51,12 +51,14 @@ class StackSolverNode(Node):
         self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
         team = self._parts.team
         self._targets = TargetTopics(self, team, build_references(self._resolved, team))
+        self._catching_up = CatchingUp(self, team, self._targets.take)
         self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
         self._states = PlantStates(self, team, self._on_state, self._restart)
 
     def _on_state(self, state: RobotState) -> None:
         """Solve for a new state, if a stack is asked for."""
+        self._catching_up.join(state.tick)
         self._state = state
         self._serve()
 
