@@ -4,7 +4,8 @@ import dataclasses
 import os
 import signal
 import time
-from functools import cache
+from collections import Counter
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -151,56 +152,74 @@ class EnoughSeenError(Exception):
     """The run has shown what it was for."""
 
 
+def drive(name, x, **values):
+    """Return a task that drives robot A's base to x [m]."""
+    return SequenceTask(name, "base_position", ((x, 0.0),), speed=0.3, tolerance=0.05, **values)
+
+
 class KillAndAskAgain:
-    """Kills the HTMPC while A follows it, starts it anew, and asks until it answers."""
+    """Kills the HTMPC while A follows it, starts it anew, and sends one goal after another.
+
+    The first one is pre-empted by the second, that is cancelled, the third is held until released.
+    """
+
+    goals = (
+        (drive("far", 3.0),),
+        (drive("other", -3.0),),
+        (drive("near", 0.0), drive("wait", 0.0, held=True)),
+    )
 
     def __init__(self, run):
         """Watch a run from its first tick on."""
-        self.run, self.killed, self.results = run, 0, []
+        self.run, self.killed, self.again, self.asked = run, 0, None, 0.0
         self.client = ActionClient(run.player, ExecuteSequence, ACTION)
         self.release = run.player.create_publisher(String, "/htmpc/release", STREAM)
-        self.again, self.asked, self.held = None, 0.0, 0
+        self.handles, self.results, self.seen = {}, {}, Counter()
 
     def __call__(self):
         """Do what is due; raises EnoughSeenError at the end."""
-        player, now = self.run.player, time.monotonic()
+        player = self.run.player
         if not self.killed and player.tick >= 210:
             self.killed = player.tick
             os.kill(self.run.process("htmpc").pid, signal.SIGKILL)
             given = ["--ros-args", "-p", f"scenario:={self.run.out / 'scenario.yaml'}"]
             given += ["-p", "peers:=hqp_controller"]
             self.again = self.run.supervisor.start("htmpc_again", PLANNERS["htmpc"], given)
-        rested = self.killed and player.tick >= self.killed + 215
-        # The dead server is seen for a while longer, and what is sent to it is lost: ask again.
-        if rested and not self.results and now > self.asked + 2.0 and self.again.printed(READY):
-            self.asked = now
-            future = self.client.send_goal_async(self.goal(), feedback_callback=self.feedback)
-            future.add_done_callback(self.accepted)
-        if self.held > 20:
+        if not self.killed or player.tick < self.killed + 215 or not self.again.printed(READY):
+            return
+        self.go_on(len(self.handles))
+        if self.seen["wait"] > 20:
             self.release.publish(String(data="robot_a/wait"))
-        status = player.transition
-        if any(result.success for result in self.results) and status.to_stack == "posture":
+        if 2 in self.results and player.transition.to_stack == "posture":
             raise EnoughSeenError
 
-    def goal(self):
-        """Return a short drive, and a wait for a release."""
-        drive = SequenceTask("again", "base_position", ((0.5, 0.0),), speed=0.3, tolerance=0.05)
-        wait = dataclasses.replace(drive, name="wait", held=True)
-        return ExecuteSequence.Goal(robot="robot_a", tasks=list(map(task_message, (drive, wait))))
+    def go_on(self, accepted):
+        """Send the next goal when the one before has shown enough."""
+        due = [True, self.seen["far"] > 15, 1 in self.results, False][accepted]
+        # The dead server is seen for a while longer, and what is sent to it is lost: ask again.
+        if due and time.monotonic() > self.asked + 2.0:
+            self.asked = time.monotonic()
+            tasks = [task_message(task) for task in self.goals[accepted]]
+            goal = ExecuteSequence.Goal(robot="robot_a", tasks=tasks)
+            future = self.client.send_goal_async(goal, feedback_callback=self.feedback)
+            future.add_done_callback(partial(self.accepted, accepted))
+        if accepted == 2 and self.seen["other"] > 15 and 1 not in self.results:
+            self.handles[1].cancel_goal_async()
 
     def feedback(self, message):
-        """Count the plans for which the second task has waited."""
+        """Count the plans of each task; of the last one those that only wait."""
         status = message.feedback.status
-        self.held += status.task == "wait" and status.error < 0.05
+        self.seen[status.task] += status.task != "wait" or status.error < 0.05
 
-    def accepted(self, future):
+    def accepted(self, number, future):
         """Wait for the result."""
-        self.asked = np.inf
+        self.asked = 0.0
+        self.handles[number] = future.result()
         waiting = future.result().get_result_async()
-        waiting.add_done_callback(lambda done: self.results.append(done.result().result))
+        waiting.add_done_callback(lambda done: self.results.update({number: done.result().result}))
 
 
-def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequence_is_taken(tmp_path):
+def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequences_are_taken(tmp_path):
     with running(scenario("deliver-one", duration=90.0, mode="realtime"), tmp_path) as run:
         watch = KillAndAskAgain(run)
         with pytest.raises(EnoughSeenError):
@@ -217,4 +236,10 @@ def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequence_is_taken(tmp_pat
     assert largest_acceleration(tmp_path) <= 1.0 + 1e-6
     after = [m.source for m in states if m.id > lost.id and m.to_stack == "plan_robot_a"]
     assert "htmpc" in after, "A follows again"
-    assert watch.held > 20, "held until released by topic"
+    results = [watch.results[number] for number in range(3)]
+    assert [result.message for result in results[:2]] == [
+        "pre-empted by another sequence",
+        "cancelled",
+    ]
+    assert (results[2].success, results[2].done) == (True, 2)
+    assert watch.seen["wait"] > 20, "held until released by topic"
