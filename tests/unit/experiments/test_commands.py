@@ -1,6 +1,7 @@
 """The commands around experiments: names, arguments, exit codes, what is written where."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -106,3 +107,40 @@ def test_help_lists_every_name_with_one_line(capsys, kind, known):
     lines = capsys.readouterr().out.splitlines()
     for name, entry in known.items():
         assert any(name in line and entry.summary in line for line in lines)
+
+
+def lasting(seen):
+    """Return two experiments, one of which has a duration."""
+    plain = fake()["fake"]
+
+    def note(options):
+        seen.append(options.seconds)
+        return plain.run(options)
+
+    long = replace(plain, run=note, seconds=60.0, soak=1800.0)
+    return {"plain": plain, "long": long}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "seconds"), [([], 60.0), (["--duration", "5"], 5.0), (["--soak"], 1800.0)]
+)
+def test_a_duration_is_handed_on(tmp_path, arguments, seconds):
+    seen = []
+    given = ["long", "--out", str(tmp_path / "out"), *arguments]
+    assert run_command("bench", lasting(seen), given) == 0
+    assert seen == [seconds]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "what"),
+    [
+        (["plain", "--soak"], "plain has no duration"),
+        (["plain", "--duration", "5"], "plain has no duration"),
+        (["long", "--duration", "0.5"], "--duration: must be in [1, 86400] s, got 0.5"),
+        (["long", "--duration", "nan"], "--duration: must be in"),
+    ],
+)
+def test_a_wrong_duration_is_one_line(tmp_path, capsys, arguments, what):
+    given = [*arguments, "--out", str(tmp_path / "out")]
+    assert run_command("bench", lasting([]), given) == 2
+    assert what in capsys.readouterr().err

@@ -21,7 +21,7 @@ from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.errors import LexstackError
 from lexstack_core.htmpc import SequenceTask
 from lexstack_interfaces.action import ExecuteSequence
-from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
+from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.bringup import (
     MODULES,
@@ -63,8 +63,6 @@ class Rig:
         self.nodes = nodes_of(resolved.scenario)
         self.bags = [out / "bag"]
         self.state: PlantState | None = None
-        self.command: Chi | None = None
-        self.source_tick = -1  # of robot B's last chi
         self.transitions: dict[tuple[str, ...], TransitionStatus] = {}
         self.complaints: dict[str, str] = {}
         self.heard: list[tuple[int, str, str]] = []
@@ -82,8 +80,6 @@ class Rig:
         self._sequences = ActionClient(self.node, ExecuteSequence, "/htmpc/execute_sequence")
         for kind, topic, take in (
             (PlantState, "/plant/state", self._on_state),
-            (Chi, "/robot_a/chi", self._on_command),
-            (Chi, "/robot_b/chi", self._on_source),
             (TransitionStatus, "/robot_a/transition", self._on_transition),
             (DiagnosticArray, "/diagnostics", self._on_diagnostics),
         ):
@@ -222,7 +218,7 @@ class Rig:
 
     def forget(self) -> None:
         """Believe only what is heard from now on."""
-        self.state, self.source_tick = None, -1
+        self.state = None
         self.transitions.clear()
 
     # ---- waiting
@@ -249,12 +245,6 @@ class Rig:
 
     def _on_state(self, message: PlantState) -> None:
         self.state = message
-
-    def _on_command(self, message: Chi) -> None:
-        self.command = message
-
-    def _on_source(self, message: Chi) -> None:
-        self.source_tick = message.tick
 
     def _on_transition(self, message: TransitionStatus) -> None:
         if any(message.tick < each.tick for each in self.transitions.values()):

@@ -1,0 +1,37 @@
+"""Bench system, shortened: every process has its share, and the times are those of the bag."""
+
+import json
+
+import pytest
+
+from lexstack_experiments.benches import system
+from lexstack_experiments.commands import bench
+
+pytestmark = pytest.mark.system
+
+
+def test_the_whole_system_is_measured(tmp_path, monkeypatch):
+    monkeypatch.setattr(system, "_SHORT", 2.0)
+    assert bench.main(["system", "--cases", "1", "--out", str(tmp_path / "out")]) == 0
+    content = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
+    rows = content["tables"][0]["rows"]
+    assert [row["phase"] for row in rows] == list(system._WHOM.values())
+    nodes = ("CPU % of a core: bridge", "robot A", "robot B", "HTMPC", "recorder")
+    for row in rows:
+        assert row["ticks/s"] > 10.0
+        assert row["in its best second"] >= 0.8 * row["ticks/s"]
+        assert 0.0 < row["state to command p50 ms"] <= row["p99 ms"]
+        assert row["missing %"] == 0.0, "lockstep waits"
+        shares = [row[node] for node in nodes]
+        assert min(shares) > 0.0
+        assert sum(shares) < 210.0, "of two cores"
+    alone, followed, planned = rows
+    assert followed["robot B"] > alone["robot B"], "it solves"
+    assert planned["HTMPC"] > alone["HTMPC"], "it plans"
+
+
+def test_memory_that_grows_is_told():
+    flat = {"memory": {"a": [100, 101, 100, 101] * 4, "b": list(range(0, 160, 10))}}
+    slopes = system._slopes([flat])
+    assert abs(slopes["a"]) < 60.0
+    assert slopes["b"] == pytest.approx(600.0), "10 kB a second"
