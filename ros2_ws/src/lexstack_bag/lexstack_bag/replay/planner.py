@@ -116,6 +116,8 @@ def _apply(
     if kind == "end":
         runner.end()
     elif kind in ("begin", "replace"):
+        if kind == "begin":
+            runner.end()  # a node that was killed has not said so
         runner.begin(event.tasks, ARCHITECTURES[event.architecture], state)
     elif runner.sequence is not None:
         tasks = {task.name: task for task in event.tasks}

@@ -15,8 +15,9 @@ from lexstack_bag.commands import replay as core
 from lexstack_bag.container import Container, by_log_time, find_files
 from lexstack_bag.errors import BagError
 from lexstack_bag.progress import ProgressBar
-from lexstack_bag.reader import read_facts, read_run
+from lexstack_bag.reader import Decoder, read_facts, read_run
 from lexstack_bag.replay.changes import Changes
+from lexstack_bag.replay.order import in_lockstep
 from lexstack_bag.replay.requests import requests_of
 from lexstack_bag.selection import Selection
 from lexstack_core.errors import LexstackError
@@ -113,6 +114,8 @@ def _publish(options: argparse.Namespace) -> int:
         user = requests_of(run, Changes(), run.resolved) if live == "robot_a" else []
         expected = set(run.chi[live].tick.tolist()) if live else set()
         messages = by_log_time(Container(container.files).messages(ProgressBar("playing")))
+        if live and run.resolved.scenario.mode == "lockstep":
+            messages = in_lockstep(messages, Decoder())
         played = player.play(messages, paced(options.rate), user, expected)
         print(f"played {played} messages")
         if not live:
