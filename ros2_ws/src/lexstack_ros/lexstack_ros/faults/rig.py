@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -39,6 +39,7 @@ from lexstack_ros.supervisor import Child, Supervisor
 
 USER = "rig"
 _PATIENCE = 40.0  # s of wall time
+_DOMAIN = "ROS_DOMAIN_ID"
 _ANSWER = 2.0  # s of wall time, after which a service is called again
 
 
@@ -51,7 +52,8 @@ class Rig:
 
     Attributes:
         bags: folders of the bags so far: a recorder that starts again begins a new one.
-        states: the plant's last state; transitions: the last of each set of robots.
+        state: the plant's last one.
+        transitions: the last one of each set of robots.
         complaints: by node, what it complained of last in /diagnostics.
         heard: all complaints, with time [ns since 1970] and node: a recorder that is away, or has
             no room, does not record what is said of it.
@@ -238,8 +240,7 @@ class Rig:
             raise RigError(f"time ran out while waiting for {what}")
 
     def close(self) -> None:
-        """End all processes."""
-        self.supervisor.end()
+        """Leave the graph; the processes have ended."""
         self.executor.shutdown()
         self.node.destroy_node()
 
@@ -260,14 +261,12 @@ class Rig:
 
 
 @contextmanager
-def running(
-    resolved: ResolvedScenario, out: Path, environment: Mapping[str, str] | None = None
-) -> Iterator[Rig]:
+def running(resolved: ResolvedScenario, out: Path) -> Iterator[Rig]:
     """Yield a rig whose processes are up, on a domain of its own; leave none behind."""
+    before = os.environ.get(_DOMAIN)
     with own_domain() as domain:
-        variables = {"ROS_DOMAIN_ID": str(domain), **(environment or {})}
-        os.environ.update(variables)
-        supervisor = Supervisor(out / "logs", variables)
+        os.environ[_DOMAIN] = str(domain)
+        supervisor = Supervisor(out / "logs")
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         rig = None
         try:
@@ -278,3 +277,7 @@ def running(
             if rig is not None:
                 rig.close()
             rclpy.try_shutdown()
+            if before is None:
+                del os.environ[_DOMAIN]
+            else:
+                os.environ[_DOMAIN] = before
