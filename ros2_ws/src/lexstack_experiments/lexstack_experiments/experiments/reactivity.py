@@ -41,7 +41,7 @@ _CHANGE = (
     6.0,
     9.0,
 )  # s, when something moves: the base has left by then
-_RELEASE = (12.0, 18.0)  # s
+_RELEASE = (16.0, 22.0)  # s
 _LONGEST = 60.0  # s
 _STILL = 0.02  # m/s: a base that stands
 _LATE = 1.0  # s, before a release: over so long the base is to stand
