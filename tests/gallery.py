@@ -38,6 +38,15 @@ def report(path: Path, at: float) -> None:
         save(IMAGES / "report.png", page.picture())
 
 
+def sequences(path: Path) -> None:
+    """Take the pictures of a report with sequences of tasks: which was when, ways from above."""
+    with Browser((1200, 1150)) as page:
+        page.open(path.as_uri())
+        page.wait("document.documentElement.dataset.drawn")
+        save(IMAGES / "delivery-tasks.png", page.picture("#tasks-section"))
+        save(IMAGES / "delivery-paths.png", page.picture("#sequence-paths-section"))
+
+
 def live() -> None:
     """Run the demo with its live page, and take a picture of it within a blend."""
     with tempfile.TemporaryDirectory() as folder:
@@ -60,16 +69,25 @@ def live() -> None:
 def main() -> int:
     """Run the command; return its exit code."""
     parser = argparse.ArgumentParser(prog="./scripts/gallery", description=__doc__)
-    parser.add_argument("run", type=Path, help="run folder of the demo, with its report.html")
+    parser.add_argument(
+        "run", type=Path, nargs="?", help="run folder of the demo, with its report.html"
+    )
+    parser.add_argument("--delivery", type=Path, help="run folder of the demo delivery; no others")
     parser.add_argument("--at", type=float, default=18.3, help="time of the 3-D view [s]")
     options = parser.parse_args()
-    path = options.run.resolve() / "report.html"
+    folder = options.delivery or options.run
+    if folder is None:
+        parser.error("a run folder, or --delivery with one, is needed")
+    path = folder.resolve() / "report.html"
     if not path.is_file():
         print(f"gallery: {path}: no such file; run ./scripts/demo first", file=sys.stderr)
         return 2
     if find_browser() is None:
         print("gallery: no Chromium; install chromium", file=sys.stderr)
         return 2
+    if options.delivery is not None:
+        sequences(path)
+        return 0
     report(path, options.at)
     live()
     return 0

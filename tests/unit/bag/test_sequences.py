@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from lexstack_bag.compare import compare_metrics
+from lexstack_bag.export import tables
 from lexstack_bag.goals import goals_of, summary_lines
 from lexstack_bag.measures import measure
 from lexstack_bag.metrics import compute_metrics
@@ -139,3 +140,12 @@ def test_a_comparison_pairs_the_sequences(run):
     assert (entry.first, entry.second, entry.unit) == (pytest.approx(1.1), 2.0, "s")
     assert entry.better == "first"
     assert entries["sequence 2: robot_b, ST-Arch", "done"].second is None
+
+
+def test_the_progress_of_each_robot_is_a_table(run):
+    found = tables(run, measure(run))
+    assert set(found) >= {"robot_a_plans", "robot_b_plans"}
+    columns = found["robot_a_plans"]
+    assert len({len(column) for column in columns.values()}) == 1
+    assert columns["task"].tolist() == ["to"] * 10 + ["give"] * 13
+    assert columns["error/level_1 [m]"].tolist() == [0.03] * 23

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from lexstack_bag.container import Progress
 from lexstack_bag.errors import BagError
 from lexstack_bag.measures import Measures
-from lexstack_bag.run import Run
+from lexstack_bag.run import ProgressStream, Run
 from lexstack_core.linear import Matrix
 from lexstack_core.model import Team
 
@@ -43,12 +43,14 @@ _POSITION, _VELOCITY = _Kind("m", "rad"), _Kind("m/s", "rad/s")
 
 
 def tables(run: Run, measures: Measures) -> dict[str, Columns]:
-    """Return the tables of a run by name: plant, errors, each chi, transition, targets."""
+    """Return the tables of a run by name: plant, errors, each chi and plan, transition, targets."""
     team = run.team()
     found: dict[str, Columns] = {"plant": _plant(run, team), "errors": _errors(run, measures)}
     for node, chi in run.chi.items():
         if len(chi.tick):
             found[f"{node}_chi"] = _chi(run, node, team)
+    for robot, planning in run.planning.items():
+        found[f"{robot}_plans"] = _plans(planning.progress)
     found["transition"] = _transition(run)
     found["targets"] = _targets(run)
     return found
@@ -156,6 +158,25 @@ def _chi(run: Run, node: str, team: Team) -> Columns:
         "empty_bounds": chi.empty_bounds,
         "solve_time [s]": chi.solve_time,
         "reason": chi.reason,
+    }
+
+
+def _plans(progress: ProgressStream) -> Columns:
+    """Return ``/htmpc/status`` of one robot."""
+    return {
+        "tick": progress.tick,
+        _TIME: progress.stamp,
+        "architecture": progress.architecture,
+        "index": progress.index,
+        "count": progress.count,
+        "task": progress.task,
+        "error [m]": progress.error,
+        "error_angle [rad]": progress.error_angle,
+        **{
+            f"error/level_{k} [m]": column for k, column in enumerate(np.asarray(progress.errors).T)
+        },
+        "solved": progress.solved,
+        "solve_time [s]": progress.solve_time,
     }
 
 
