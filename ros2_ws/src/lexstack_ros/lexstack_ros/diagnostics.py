@@ -56,6 +56,11 @@ def first(*complaints: str) -> str:
     return next((complaint for complaint in complaints if complaint), "")
 
 
+def all_of(*complaints: str) -> str:
+    """Return all complaints in one line, or '': of different things none may hide another."""
+    return "; ".join(complaint for complaint in complaints if complaint)
+
+
 class Diagnostics:
     """Publishes a node's health to /diagnostics."""
 

@@ -11,7 +11,7 @@ Fault = Literal["kill", "stop", "slow", "flood", "disk", "message"]
 
 PHASES: tuple[Phase, ...] = ("idle", "blending", "following", "sequence")
 PROCESSES = ("stack_solver", "hqp_controller", "htmpc", "sim_bridge", "recorder")
-STOPPED = 3.5  # s of wall time that a process stands still: longer than diagnostics need to see it
+STOPPED = 4.5  # s of wall time that a process stands still: diagnostics need up to 3.5 s to see it
 SLOWER = (10.0, 200.0)  # times that robot B's solver takes
 FLOOD, FLOOD_TIME = 1000, 10.0  # requests, s
 MESSAGES = (

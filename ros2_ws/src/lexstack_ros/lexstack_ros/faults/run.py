@@ -25,7 +25,7 @@ from lexstack_ros.faults.disk import small_disk
 from lexstack_ros.faults.rig import Rig, running
 from lexstack_ros.faults.stranger import Stranger
 
-_SEE = 3.5  # s of wall time for the others to notice: diagnostics come once a second
+_SEE = 4.0  # s of wall time for the others to notice: diagnostics come once a second
 _BLEND = 6.0  # s, long enough for what happens within
 _QUICK = 0.4  # s of the switches between cases
 _DETOUR = ("reach_base", "posture")

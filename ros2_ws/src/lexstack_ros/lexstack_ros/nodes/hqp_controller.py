@@ -19,7 +19,7 @@ from lexstack_ros.conversions import (
     to_sample,
     transition_status,
 )
-from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
+from lexstack_ros.diagnostics import Diagnostics, Health, Meter, all_of
 from lexstack_ros.journal import Journal
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.plan_conversions import PLAN, to_plan
@@ -151,7 +151,7 @@ class HqpControllerNode(Node):
         complaint, ages = self._states.report()
         failed = f"{self._fallbacks} ticks failed" if self._fallbacks else ""
         return Health(
-            first(self._journal.report(), self._watch.report(), complaint, failed),
+            all_of(self._journal.report(), self._watch.report(), complaint, failed),
             {
                 **self._meter.report(),
                 **ages,
