@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import sys
 from collections.abc import Callable
@@ -44,6 +45,10 @@ def run_node(factory: Callable[[], Node]) -> int:
     try:
         node = factory()
         executor.add_node(node)
+        # A full collection looks at 75 000 objects of the libraries, for 20 ms: two ticks. None of
+        # them ever goes, so from now on it looks at what is made while the node runs.
+        gc.collect()
+        gc.freeze()
         # Never executor.spin(): in this version it fires nothing and ignores signals.
         while rclpy.ok() and not stop:
             executor.spin_once(timeout_sec=_WAIT)
