@@ -254,17 +254,18 @@ def shortened(folder, duration):
     return path
 
 
-def leftovers():
-    """Return the process ids of nodes that run, by their command lines."""
+def nodes_of(folder):
+    """Return the process ids of the nodes of a run, by the run's folder in their command lines."""
     found = []
     for path in Path("/proc").glob("[0-9]*/cmdline"):
         try:
             words = path.read_bytes().split(b"\0")
         except OSError:
             continue
-        if any(module.encode() in words for module in NODES.values()):
+        named = any(str(folder).encode() in word for word in words)
+        if named and any(module.encode() in words for module in NODES.values()):
             found.append(int(path.parent.name))
-    return set(found)
+    return found
 
 
 def test_two_demos_at_the_same_time_do_not_meet(tmp_path):
@@ -284,7 +285,6 @@ def test_two_demos_at_the_same_time_do_not_meet(tmp_path):
 
 
 def test_ctrl_c_again_and_again_still_ends_in_order(tmp_path):
-    before = leftovers()
     process = demo(tmp_path / "run", shortened(tmp_path, 60.0), "--mode", "realtime")
     log = tmp_path / "run" / "logs" / "hqp_controller.log"
     end = time.monotonic() + 60.0
@@ -292,6 +292,7 @@ def test_ctrl_c_again_and_again_still_ends_in_order(tmp_path):
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < end
         time.sleep(0.1)
+    assert len(nodes_of(tmp_path / "run")) == len(NODES)
     while process.poll() is None:
         process.send_signal(signal.SIGINT)
         assert time.monotonic() < end
@@ -299,6 +300,6 @@ def test_ctrl_c_again_and_again_still_ends_in_order(tmp_path):
     _, errors = process.communicate(timeout=30)
     assert process.returncode == 130, errors
     assert "Traceback" not in errors
-    assert leftovers() <= before
+    assert not nodes_of(tmp_path / "run")
     for path in (tmp_path / "run" / "logs").glob("*.log"):
         assert "Traceback" not in path.read_text(encoding="utf-8"), path.name
