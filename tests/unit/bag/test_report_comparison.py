@@ -125,3 +125,30 @@ def test_the_page_opens_in_a_browser(path):
         page.wait("document.documentElement.dataset.drawn")
         assert page.run("document.querySelectorAll('.js-plotly-plot').length") == 2
         assert page.messages == []
+
+
+def two_channels(run):
+    """The same run with a message for each robot: of robot_b another alpha."""
+    status = run.transition
+
+    def twice(name):
+        values = getattr(status, name)
+        if name == "robots":
+            return np.array(["robot_a", "robot_b"] * len(status.tick), dtype=object)
+        other = np.full_like(values, 0.125) if name == "alpha" else values
+        return np.stack((values, other), axis=1).reshape(-1)
+
+    fields = [field.name for field in dataclasses.fields(status)]
+    status = dataclasses.replace(status, **{name: twice(name) for name in fields})
+    return dataclasses.replace(run, transition=status)
+
+
+def test_of_several_transitions_at_once_a_switch_shows_its_own(synthetic, tmp_path):
+    run = two_channels(read_run(synthetic.folder))
+    phases = find_phases(run)
+    assert phases[1].robots == ("robot_a",)
+    page = page_of(run, run, tmp_path / "comparison.html")
+    alpha = next(t for t in figures(page)["switch-1"]["data"] if t["name"] == "α, first")
+    drawn = np.frombuffer(base64.b64decode(alpha["y"]["bdata"]), "<f4")
+    assert drawn[np.isfinite(drawn)].max() == 1.0
+    assert not (drawn == 0.125).any()

@@ -42,7 +42,7 @@ class PlanBuilder:
 
     def build(self) -> PlanStream:
         """Return the stream."""
-        return (self._plans or StreamBuilder(PlanStream, 0, "all")).build()
+        return (self._plans or StreamBuilder(PlanStream, 1, "all")).build()
 
 
 @dataclass
@@ -56,15 +56,19 @@ class _Robot:
     @classmethod
     def new(cls, rate: float) -> _Robot:
         """Return one of which nothing is known."""
-        return cls(PlanBuilder(rate), StreamBuilder(ProgressStream, 0, "all"), [])
+        return cls(PlanBuilder(rate), StreamBuilder(ProgressStream, 1, "all"), [])
 
 
 class PlanningCollector:
     """Takes the messages of the HTMPC."""
 
-    def __init__(self, robots: Collection[str], rate: float) -> None:
-        """Start empty for the robots of a scenario; ``rate`` in ticks per second."""
+    def __init__(self, robots: Collection[str], rate: float, *, plans: bool) -> None:
+        """Start empty for the robots of a scenario; ``rate`` in ticks per second.
+
+        Without ``plans`` these stay empty: they are large, and only a replay needs them.
+        """
         self._names = tuple(robots)
+        self._wanted = (PLAN, PROGRESS, SEQUENCE) if plans else (PROGRESS, SEQUENCE)
         self._rate = rate
         self.begin_anew()
 
@@ -78,8 +82,8 @@ class PlanningCollector:
         Raises:
             BagError: a sequence holds what no sequence can hold.
         """
-        if topic not in (PLAN, PROGRESS, SEQUENCE):
-            return False
+        if topic not in self._wanted:
+            return topic == PLAN
         message = decode()
         plan = topic == PLAN
         name = next(iter(message.joint_names), "").partition("/")[0] if plan else message.robot

@@ -43,12 +43,13 @@ NEEDED = (PLANT_STATE, COMMAND, TRANSITION)
 _TARGETS = {"ee_target": "ee", "base_target": "base"}
 
 
-def read_run(path: Path, progress: Progress = lambda _part: None) -> Run:
+def read_run(path: Path, progress: Progress = lambda _part: None, *, plans: bool = True) -> Run:
     """Return the run in a bag.
 
     Args:
         path: a run folder, a bag folder or an .mcap file.
         progress: told how much has been read, from 0 to 1.
+        plans: whether the plans of the HTMPC are wanted: they are large, replay needs them.
 
     Raises:
         BagError: nothing there, not readable, or not recorded by lexstack.
@@ -56,7 +57,7 @@ def read_run(path: Path, progress: Progress = lambda _part: None) -> Run:
     files = find_files(path)
     container = Container(files)
     facts, resolved = read_facts(container)
-    collector = _Collector(resolved)
+    collector = _Collector(resolved, plans=plans)
     for message in container.messages(progress):
         collector.add(message)
     return collector.run(files[0], facts, container)
@@ -96,8 +97,8 @@ class Decoder:
 class _Collector:
     """Sorts a bag's messages: takes apart what analysis needs, counts all of them."""
 
-    def __init__(self, resolved: ResolvedScenario) -> None:
-        """Start empty."""
+    def __init__(self, resolved: ResolvedScenario, *, plans: bool) -> None:
+        """Start empty; ``plans`` as in ``read_run``."""
         self._resolved = resolved
         n = Team.from_scenario(resolved).n
         self._counts: dict[str, int] = defaultdict(int)
@@ -107,7 +108,8 @@ class _Collector:
         self._chi = {
             f"/{controller}/chi": StreamBuilder(ChiStream, n, "last") for controller in CONTROLLERS
         }
-        self._planning = PlanningCollector(resolved.scenario.robots, resolved.scenario.rate)
+        scenario = resolved.scenario
+        self._planning = PlanningCollector(scenario.robots, scenario.rate, plans=plans)
         self._targets: list[Target] = []
         self._requested: list[tuple[int, Any]] = []  # time of sending [ns], message
         self._commanded: tuple[array[int], array[int]] = array("q"), array("q")  # time, tick

@@ -47,7 +47,7 @@ class Analysis:
     @classmethod
     def of(cls, bag: Path, say: Say = lambda _line: None) -> Analysis:
         """Analyse a run folder, a bag folder or an .mcap file; raises BagError."""
-        run = read_run(bag, ProgressBar("reading"))
+        run = read_run(bag, ProgressBar("reading"), plans=False)
         total = sum(run.messages.values())
         cut = "" if run.complete else "; the file ends before its end"
         say(f"read {total} messages of {len(run.messages)} topics from {run.path.name}{cut}")

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lexstack_bag.compare import MESSAGES, Comparison, Difference
 from lexstack_bag.measures import COMMANDER, Measures
@@ -19,7 +20,7 @@ from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.layout import level, stacked
 from lexstack_bag.report.page import document, figure_html
 from lexstack_bag.report.traces import SERIES, VERMILLION, Plain, extremes, line, typed
-from lexstack_bag.run import Run
+from lexstack_bag.run import Names, Run
 from lexstack_core.linear import Vector
 
 _BEFORE = 0.5  # s, shown before a switch
@@ -162,13 +163,22 @@ def _after(side: Side, phase: Phase, which: int) -> list[Plain]:
             name = f"{robot}, {ordinal}"
             style: dict[str, Any] = {"row": row, "dash": dash, "unit": "mm", "legend": row == 1}
             traces.append(line(series, name, SERIES[i % len(SERIES)], **style))
-    series = _cut(status.stamp, status.alpha, begin, end, phase.start)
+    mine = _rows(status.robots, (phase.robots or run.robots)[0], len(status.tick))
+    series = _cut(status.stamp[mine], status.alpha[mine], begin, end, phase.start)
     traces.append(line(series, f"α, {ordinal}", "#000000", row=3, dash=dash))
     ratios = measures.acceleration_ratio
     worst = np.max(np.where(np.isnan(ratios), 0.0, ratios), axis=1, initial=0.0)
     series = _cut(measures.command_time, worst, begin, end, phase.start)
     traces.append(line(series, f"acceleration, {ordinal}", SERIES[3], row=4, dash=dash))
     return traces
+
+
+def _rows(names: Names, robot: str, count: int) -> NDArray[np.bool_]:
+    """Return which of ``count`` messages are about a robot: one per tick."""
+    if not len(names):
+        return np.ones(count, dtype=np.bool_)
+    about = {text: not text or robot in text.split() for text in set(names.tolist())}
+    return np.array([about[text] for text in names.tolist()], dtype=np.bool_)
 
 
 def _commands(sides: tuple[Side, Side]) -> Figure:
