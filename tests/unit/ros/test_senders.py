@@ -97,6 +97,15 @@ def test_a_tick_of_the_future_is_refused_until_time_has_passed():
     assert order.is_new("p", 0, 511)
 
 
+def test_what_waited_for_a_process_that_was_stopped_is_not_of_the_future():
+    order = TickOrder("/plant/state", Clock())
+    assert order.is_new("p", 0, 10, sent=50.0)
+    with pytest.raises(InputError, match="so soon"):
+        order.is_new("p", 0, 400, sent=50.01)
+    assert order.is_new("p", 0, 400, sent=53.9), "sent 3.9 s later, taken at the same time"
+    assert order.is_new("p", 0, 401, sent=53.91)
+
+
 def info(sent, received):
     return {"source_timestamp": round(1e9 * sent), "received_timestamp": round(1e9 * received)}
 

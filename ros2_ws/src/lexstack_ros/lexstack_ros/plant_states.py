@@ -21,6 +21,7 @@ from lexstack_ros.staleness import Delays, with_info
 _TOPIC = "/plant/state"
 # A bridge that waits for a command is silent for `command_wall`, 2 s by default.
 _SILENCE = 5.0  # s of wall time
+_MOST = 1000  # messages that are taken at once
 
 
 class PlantStates:
@@ -28,6 +29,7 @@ class PlantStates:
 
     Attributes:
         refused: messages that did not fit, whoever of the node refused them.
+        skipped: states that were left out for newer ones.
         delays: how old states are when they come, by the clocks of both hosts.
     """
 
@@ -38,15 +40,21 @@ class PlantStates:
         on_state: Callable[[RobotState], None],
         on_reset: Callable[[], None],
         on_commander: Callable[[str, bool], bool] = lambda _name, _follows: True,
+        *,
+        newest: bool = False,
     ) -> None:
         """Call ``on_state`` for every new tick, and before it ``on_reset`` if the plant was reset.
+
+        With ``newest`` states are skipped while newer ones wait. In realtime a node that has
+        fallen behind would else answer every state of its queue too late, for as long as it has no
+        time to catch up.
 
         ``on_commander`` is told whose commands the plant takes, and whether it has one for the
         last tick; the state is left out where it returns False.
 
         Create this after the node's other topics: readiness looks at all of them.
         """
-        self.refused = 0
+        self.refused = self.skipped = 0
         self._refusal = ""  # the last one since the last report
         self.delays = Delays(_TOPIC)
         self._node = node
@@ -56,7 +64,8 @@ class PlantStates:
         self._on_commander = on_commander
         self._sender = SoleSender(_TOPIC, _SILENCE)
         self._order = TickOrder(_TOPIC)
-        node.create_subscription(PlantState, _TOPIC, with_info(self._take), STREAM)
+        take = self._take_newest if newest else self._take
+        self._subscription = node.create_subscription(PlantState, _TOPIC, with_info(take), STREAM)
         self._readiness = Readiness(node, hears_plant=False)
 
     def refuse(self, error: InputError) -> None:
@@ -77,23 +86,52 @@ class PlantStates:
         self.delays.add(info)
 
     def _take(self, message: PlantState, info: dict[str, int]) -> None:
-        """Hand on a state that is new; a paused plant repeats its last one."""
+        """Hand on a state that is to be served."""
+        state = self._checked(message, info)
+        if state is not None:
+            self._on_state(state)
+
+    def _take_newest(self, message: PlantState, info: dict[str, int]) -> None:
+        """Hand on the newest state of those that wait; all of them are looked at in order."""
+        states = [self._checked(message, info), *(self._checked(*item) for item in self._waiting())]
+        served = [state for state in states if state is not None]
+        if served:
+            self.skipped += len(served) - 1
+            self._on_state(served[-1])
+
+    def _waiting(self) -> list[tuple[PlantState, dict[str, int]]]:
+        """Return the messages that have come since."""
+        found, handle = [], self._subscription.handle
+        with handle:
+            for _ in range(_MOST):
+                try:
+                    item = handle.take_message(PlantState, False)
+                except RuntimeError:
+                    continue  # bytes that are no message
+                if item is None:
+                    break
+                found.append(item)
+        return found
+
+    def _checked(self, message: PlantState, info: dict[str, int]) -> RobotState | None:
+        """Return a state that is new and to be served; a paused plant repeats its last one."""
         self._readiness.hears_plant = True
         try:
             self._sender.check(message.sender)
             if message.status == PlantState.PAUSED:
                 self._hear(message, info)
-                return
+                return None
             state = to_state(message, self._team)
-            if not self._order.is_new(message.sender, message.resets, state.tick):
-                return
+            sent = 1e-9 * info["source_timestamp"]
+            if not self._order.is_new(message.sender, message.resets, state.tick, sent):
+                return None
         except InputError as error:
             self.refuse(error)
-            return
+            return None
         self._hear(message, info)
         if self._order.begins_anew:
             self._node.get_logger().info("the plant was reset: starting anew")
             self._on_reset()
         follows = message.status == PlantState.FOLLOWING
-        if not message.commander or self._on_commander(message.commander, follows):
-            self._on_state(state)
+        wanted = not message.commander or self._on_commander(message.commander, follows)
+        return state if wanted else None

@@ -29,10 +29,14 @@ class TickOrder:
         self._clock = clock
         self._origin: tuple[str, int] | None = None  # sender, resets
         self._last = -1
-        self._heard = 0.0
+        self._heard = self._sent = 0.0
 
-    def is_new(self, sender: str, resets: int, tick: int) -> bool:
+    def is_new(self, sender: str, resets: int, tick: int, sent: float = 0.0) -> bool:
         """Return whether a state is to be served: false when it is over already.
+
+        A process that stood still takes what has waited all at once. So the time from one state to
+        the next is the longer one of two: that on this clock, and that between their sendings
+        (``sent``, s by the sender's clock, as the middleware has it).
 
         Raises:
             InputError: it is farther ahead of the last one than time allows.
@@ -44,7 +48,7 @@ class TickOrder:
             self._origin = (sender, resets)
         elif resets < self._origin[1] or tick <= self._last:
             return False
-        elif tick - self._last > _SLACK + _FASTEST * (now - self._heard):
+        elif tick - self._last > _SLACK + _FASTEST * max(now - self._heard, sent - self._sent):
             raise InputError(f"{self._where}: tick: {tick} cannot follow {self._last} so soon")
-        self._last, self._heard = tick, now
+        self._last, self._heard, self._sent = tick, now, sent
         return True

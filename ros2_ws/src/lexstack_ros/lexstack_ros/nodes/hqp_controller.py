@@ -71,7 +71,12 @@ class HqpControllerNode(Node):
         self._watch = Watch(self)
         Diagnostics(self, self._health)
         self._states = PlantStates(
-            self, self._parts.team, self._on_state, self._restart, self._on_commander
+            self,
+            self._parts.team,
+            self._on_state,
+            self._restart,
+            self._on_commander,
+            newest=self._resolved.scenario.mode == "realtime",
         )
 
     # ---- the tick
@@ -159,6 +164,7 @@ class HqpControllerNode(Node):
                 "ticks without robot B in time": str(self._late),
                 "fallbacks": str(self._fallbacks),
                 "levels held back by bounds": self._controller.obstructed(),
+                "skipped states": str(self._states.skipped),
                 "refused messages": str(refused),
             },
         )

@@ -54,7 +54,8 @@ class StackSolverNode(Node):
         self._catching_up = CatchingUp(self, team, self._targets.take)
         self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
-        self._states = PlantStates(self, team, self._on_state, self._restart)
+        realtime = self._resolved.scenario.mode == "realtime"
+        self._states = PlantStates(self, team, self._on_state, self._restart, newest=realtime)
 
     def _on_state(self, state: RobotState) -> None:
         """Solve for a new state, if a stack is asked for."""
@@ -139,6 +140,7 @@ class StackSolverNode(Node):
                 **ages,
                 "tick": str(self._served[0]),
                 "failures": str(self._failures),
+                "skipped states": str(self._states.skipped),
                 "refused messages": str(self._states.refused + self._targets.refused),
             },
         )
