@@ -85,3 +85,25 @@ def test_plans_at_random_never_lead_beyond_the_limits():
     _, chi, ratio = run(6.0, link)
     assert np.isfinite(chi).all()
     assert ratio.max() <= 1.0 + 1e-6
+
+
+def test_a_held_tool_stays_while_the_base_goes_on_and_targets_move():
+    made = PlannedLoop(load_scenario(CONFIG / "scenarios/reactivity.yaml"))
+    made.run()
+    progress = made.progress("deliver")
+    assert progress[-1].sequence.done
+    stamps = np.array([p.plan.stamp for p in progress])
+    firsts = np.array([p.sequence.first for p in progress])
+    held = (stamps > 4.5) & (firsts == 1)
+    assert stamps[held].max() == pytest.approx(15.95), "until its release at 16 s"
+    off = np.array([p.errors[0] for p in progress])[held]
+    assert off.mean() < 0.002
+    assert off.max() < 0.015, "while the base swings to the next target's new place"
+    bases = np.array([p.plan.q[0, :2] for p in progress])
+    near = np.linalg.norm(bases - np.array([3.5, 1.5]), axis=1)
+    assert near[stamps == 16.0] < 0.12, "there as far as the arm lets it"
+    state = made.record.states[-1]
+    tool = progress[-1].sequence.tasks[-1].points[-1]
+    assert tool == (4.2, 0.9, 1.3), "where the target has jumped to"
+    assert progress[-1].errors[0] < 0.005
+    assert state.stamp > stamps[-1] + 5.0
