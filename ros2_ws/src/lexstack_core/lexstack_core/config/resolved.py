@@ -154,4 +154,5 @@ def _named(config: T, path: Path) -> T:
 def _known(where: str, name: str, known: dict[str, T]) -> None:
     """Raise ConfigurationError unless ``name`` is a key of ``known``."""
     if name not in known:
-        raise ConfigurationError(f"{where}: unknown {shown(name)}; known: {', '.join(sorted(known))}")
+        listed = ", ".join(sorted(known))
+        raise ConfigurationError(f"{where}: unknown {shown(name)}; known: {listed}")
