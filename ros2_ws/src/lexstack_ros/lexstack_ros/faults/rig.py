@@ -39,6 +39,7 @@ from lexstack_ros.supervisor import Child, Supervisor
 
 USER = "rig"
 _PATIENCE = 40.0  # s of wall time
+_PARTNERS = ("sim_bridge", "hqp_controller", "stack_solver")
 _DOMAIN = "ROS_DOMAIN_ID"
 _ANSWER = 2.0  # s of wall time, after which a service is called again
 
@@ -117,8 +118,8 @@ class Rig:
         if name == RECORDER and "output" not in given:
             self.bags.append(self._out / f"bag_{len(self.bags)}")
             given["output"] = str(self.bags[-1])
-        peers = [other for other in self.nodes if other != name]
-        given["peers"] = ",".join([*peers, USER])
+        # Not all nodes: one that comes back serves as soon as it is connected with these.
+        given["peers"] = ",".join(other for other in _PARTNERS if other != name)
         begun = time.time_ns()
         log = self._out / "logs" / f"{name}.log"
         if log.exists():
