@@ -41,6 +41,14 @@ def sources(made):
     return [each.source for each in told], [each.reason for each in told]
 
 
+def roughness(chi, tick):
+    """Return how much robot A's acceleration changes from tick to tick, over its limit, rms."""
+    limits = resolved(8.0).robots["panda_summit"]
+    bounds = np.array([*limits.base.acceleration, *limits.arm.acceleration])
+    acceleration = np.diff(chi[tick : tick + 50, MINE], axis=0) / (0.01 * bounds)
+    return float(np.sqrt((np.diff(acceleration, axis=0) ** 2).mean()))
+
+
 def test_a_follows_to_the_bit_once_the_blend_is_over():
     made, chi, ratio = run(8.0)
     progress = made.progress("deliver")
@@ -51,6 +59,7 @@ def test_a_follows_to_the_bit_once_the_blend_is_over():
         plan = plans[tick - tick % 5]
         wanted = plan.sample(0.01 * (tick + 1))[1]
         np.testing.assert_allclose(chi[tick][MINE], wanted, atol=1e-6)
+    assert roughness(chi, 100) < 0.15, "while A blends in"
 
 
 @pytest.mark.parametrize(("first", "last"), [(130, 260), (205, 206), (220, 420)])
@@ -70,6 +79,7 @@ def test_a_loss_brings_a_to_rest_and_the_return_takes_it_on(first, last):
     assert "the MPC is back" in why[back]
     if back > lost + BLEND:
         assert np.abs(chi[back - 1][MINE]).max() < 1e-3
+    assert roughness(chi, back) < 0.12, "no gap comes back with every plan"
     assert made.progress("deliver")[-1].sequence.done
 
 

@@ -21,6 +21,7 @@ from lexstack_core.transition.plan import Means, Plan
 from lexstack_core.transition.sources import Moment, Sources
 from lexstack_core.transition.status import Source
 
+_NEAR = 10.0  # of what a joint follows in one tick: as old as a plan may be, and two ticks more
 _SAME = 1e-3  # of what a joint's acceleration limit allows in one tick: no difference that is felt
 
 
@@ -98,6 +99,8 @@ class Channel:
         chi = sources.chi(source, request.id, target, moment)
         if source is not blend.source or blend.level_jumps(level, moment, means):
             past = past_of((self,), level, request.duration, moment, means)
+            if source is Source.HTMPC and self._begins_here(chi, moment, means):
+                past = Past(chi, past.level_goes_on, None)
             over = blend.takes_over
             blend = Blend.latched(blend.way, (source, chi), level, past, moment)
             blend = replace(blend, takes_over=over)
@@ -118,6 +121,15 @@ class Channel:
             ),
             plan,
         )
+
+    def _begins_here(self, chi: Vector, moment: Moment, means: Means) -> bool:
+        """Return whether a plan that is back begins where these robots are, at chi (n,) now.
+
+        Then there is no gap to fade. One that was latched would come back with every plan, as each
+        begins at A's command.
+        """
+        gap = np.abs(chi - moment.kinematics.state.command) <= _NEAR * means.reach
+        return bool(gap[self.part.columns].all())
 
     def finished(self, plan: Plan, sources: Sources, *, adopts: bool) -> Channel:
         """Return the channel after the tick: at the end it has adopted the stack."""
