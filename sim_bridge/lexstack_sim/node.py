@@ -26,6 +26,7 @@ from lexstack_ros.qos import STREAM
 from lexstack_ros.readiness import Readiness
 from lexstack_ros.senders import SoleSender
 from lexstack_ros.spin import run_node
+from lexstack_ros.waiting import waiting
 from lexstack_sim.cycle import Cycle
 from lexstack_sim.memory import Status
 from lexstack_sim.options import BridgeOptions
@@ -57,7 +58,7 @@ class SimBridge(Node):
         self._refusal = ""  # the last one since the last report
         self._finished = False
         self._topics = PlantTopics(self, self._team, scenario.rate)
-        self.create_subscription(Chi, _COMMAND, self._on_command, STREAM)
+        self._commands = self.create_subscription(Chi, _COMMAND, self._on_command, STREAM)
         self.create_service(SetBool, "~/pause", self._on_pause)
         self.create_service(Trigger, "~/step", self._on_step)
         self.create_service(Trigger, "~/reset", self._on_reset)
@@ -89,6 +90,12 @@ class SimBridge(Node):
         self._finished = self._cycle.ended
 
     def _on_command(self, message: Chi) -> None:
+        """Take a command, and what waits behind it."""
+        for command in (message, *(other for other, _ in waiting(self._commands))):
+            self._take(command)
+        self._wake_up()
+
+    def _take(self, message: Chi) -> None:
         """Take a command, or refuse it and say why."""
         try:
             check_robots(message.robots, self._team, _COMMAND)
@@ -101,7 +108,6 @@ class SimBridge(Node):
             self._refused += 1
             self._refusal = f"refused: {error}"
             self.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
-        self._wake_up()
 
     def _on_timer(self) -> None:
         """Wake the cycle when its deadline is there; deadlines may have moved meanwhile."""

@@ -17,11 +17,11 @@ from lexstack_ros.readiness import Readiness
 from lexstack_ros.senders import SoleSender
 from lexstack_ros.sequence import TickOrder
 from lexstack_ros.staleness import Delays, with_info
+from lexstack_ros.waiting import waiting
 
 _TOPIC = "/plant/state"
 # A bridge that waits for a command is silent for `command_wall`, 2 s by default.
 _SILENCE = 5.0  # s of wall time
-_MOST = 1000  # messages that are taken at once
 
 
 class PlantStates:
@@ -64,8 +64,10 @@ class PlantStates:
         self._on_commander = on_commander
         self._sender = SoleSender(_TOPIC, _SILENCE)
         self._order = TickOrder(_TOPIC)
-        take = self._take_newest if newest else self._take
-        self._subscription = node.create_subscription(PlantState, _TOPIC, with_info(take), STREAM)
+        self._newest = newest
+        self._subscription = node.create_subscription(
+            PlantState, _TOPIC, with_info(self._take), STREAM
+        )
         self._readiness = Readiness(node, hears_plant=False)
 
     def refuse(self, error: InputError) -> None:
@@ -86,32 +88,19 @@ class PlantStates:
         self.delays.add(info)
 
     def _take(self, message: PlantState, info: dict[str, int]) -> None:
-        """Hand on a state that is to be served."""
-        state = self._checked(message, info)
-        if state is not None:
-            self._on_state(state)
-
-    def _take_newest(self, message: PlantState, info: dict[str, int]) -> None:
-        """Hand on the newest state of those that wait; all of them are looked at in order."""
-        states = [self._checked(message, info), *(self._checked(*item) for item in self._waiting())]
-        served = [state for state in states if state is not None]
-        if served:
-            self.skipped += len(served) - 1
-            self._on_state(served[-1])
-
-    def _waiting(self) -> list[tuple[PlantState, dict[str, int]]]:
-        """Return the messages that have come since."""
-        found, handle = [], self._subscription.handle
-        with handle:
-            for _ in range(_MOST):
-                try:
-                    item = handle.take_message(PlantState, False)
-                except RuntimeError:
-                    continue  # bytes that are no message
-                if item is None:
-                    break
-                found.append(item)
-        return found
+        """Hand on the states that wait and are to be served, all in order or the newest."""
+        messages = [(message, info), *waiting(self._subscription)]
+        if not self._newest:
+            for entry in messages:
+                state = self._checked(*entry)
+                if state is not None:
+                    self._on_state(state)
+            return
+        checked = [self._checked(*entry) for entry in messages]
+        states = [state for state in checked if state is not None]
+        if states:
+            self.skipped += len(states) - 1
+            self._on_state(states[-1])
 
     def _checked(self, message: PlantState, info: dict[str, int]) -> RobotState | None:
         """Return a state that is new and to be served; a paused plant repeats its last one."""

@@ -29,6 +29,7 @@ from lexstack_ros.references import ReferencesInEffect, TargetTopics
 from lexstack_ros.requests import Requests
 from lexstack_ros.senders import AlreadyCommandedError, sender_name
 from lexstack_ros.spin import run_node
+from lexstack_ros.waiting import waiting
 from lexstack_ros.watch import Watch
 
 _LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
@@ -61,7 +62,7 @@ class HqpControllerNode(Node):
         self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
         self._targets = TargetTopics(self, self._parts.team, self._controller.references)
         self._in_effect = ReferencesInEffect(self, self._parts.team)
-        self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
+        self._source = self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
         self.create_subscription(JointTrajectory, PLAN, self._on_plan, STREAM)
         self._requests = Requests(
             self, self._controller.transition, self._resolved.scenario, self._parts.team
@@ -97,12 +98,12 @@ class HqpControllerNode(Node):
         return name == self._chi.sender
 
     def _on_source(self, message: Chi) -> None:
-        """Take robot B's chi."""
-        try:
-            self._controller.transition.hear(to_sample(message, self._parts.team, "/robot_b/chi"))
-        except InputError as error:
-            self._states.refuse(error)
-            return
+        """Take robot B's chi, and what waits behind it."""
+        for chi in (message, *(other for other, _ in waiting(self._source))):
+            try:
+                self._controller.transition.hear(to_sample(chi, self._parts.team, "/robot_b/chi"))
+            except InputError as error:
+                self._states.refuse(error)
         self._serve(wait=True)
 
     def _on_plan(self, message: JointTrajectory) -> None:
