@@ -63,7 +63,7 @@ class SimBridge(Node):
         self.create_service(Trigger, "~/step", self._on_step)
         self.create_service(Trigger, "~/reset", self._on_reset)
         self.create_service(ApplyWrench, "~/apply_wrench", self._on_wrench)
-        Diagnostics(self, self._health)
+        self._diagnostics = Diagnostics(self, self._health)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = self.create_timer(1.0, self._on_timer, clock=wall)
         self._wake = 0.0
@@ -114,6 +114,7 @@ class SimBridge(Node):
         if monotonic() >= self._cycle.deadline - _EARLY:
             self._cycle.expire()
         self._arm()
+        self._diagnostics.catch_up()
 
     def _wake_up(self) -> None:
         """Set the timer anew, but only where it would come too late: that takes 24 us."""

@@ -1,10 +1,13 @@
 """What robot A tells of its absence, and who of the others is silent."""
 
+import time
+
 import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from lexstack_core.transition.status import Phase, Source, TransitionState
+from lexstack_ros.diagnostics import Diagnostics, Health
 from lexstack_ros.journal import Journal
 from lexstack_ros.watch import Watch
 
@@ -70,3 +73,19 @@ def test_who_is_silent_is_named_until_it_speaks_or_is_gone(node):
     assert watch.report() == "recorder is silent for 8 s, stack_solver is silent for 7 s"
     now[0] = 100.0
     assert watch.report() == ""
+
+
+def test_diagnostics_that_are_overdue_are_caught_up(node):
+    asked = []
+
+    def health():
+        asked.append(time.monotonic())
+        return Health()
+
+    diagnostics = Diagnostics(node, health, period=0.1)
+    diagnostics.catch_up()
+    assert not asked, "not yet"
+    time.sleep(0.16)
+    diagnostics.catch_up()
+    diagnostics.catch_up()
+    assert len(asked) == 1
