@@ -53,6 +53,22 @@ def offer_browser() -> None:
         print("note: no Chromium: pages are not looked at; install chromium", flush=True)
 
 
+def run_tests(arguments: list[str]) -> int:
+    """Run pytest with the arguments, or all of it where there are none; return the exit code.
+
+    What only computes runs on as many cores as there are. The system tests start processes that
+    need them all, and come one after another.
+    """
+    variables = {**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1"}
+    alone = ["tests/system"]
+    together = ["tests", "--ignore=tests/system", "--numprocesses=auto", "--dist=worksteal"]
+    codes = []
+    for chosen in [arguments] if arguments else [together, alone]:
+        command = [sys.executable, "-m", "pytest", *chosen]
+        codes.append(subprocess.run(command, cwd=ROOT, env=variables, check=False).returncode)
+    return max(codes)
+
+
 def main() -> int:
     """Run all checks, then pytest with the arguments given; return the exit code."""
     parser = argparse.ArgumentParser(
@@ -67,10 +83,7 @@ def main() -> int:
     if failed:
         print(f"FAILED before the tests, see above: {', '.join(failed)}", flush=True)
     offer_browser()
-    variables = {**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1"}
-    command = [sys.executable, "-m", "pytest", *arguments]
-    tests = subprocess.run(command, cwd=ROOT, env=variables, check=False)
-    return tests.returncode or (1 if failed else 0)
+    return run_tests(arguments) or (1 if failed else 0)
 
 
 if __name__ == "__main__":

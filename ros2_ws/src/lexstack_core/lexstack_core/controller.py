@@ -18,6 +18,8 @@ from lexstack_core.transition.machine import Transition
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.status import TransitionState
 
+_TOUCH = 1e-9  # m/s, rad/s: nearer than this chi is at its bound
+
 
 @dataclass(frozen=True, slots=True)
 class Command:
@@ -114,10 +116,13 @@ class Controller:
     def obstructed(self) -> str:
         """Return which levels of the last tick a joint's bound keeps from being met, or ''.
 
-        For whoever looks, not for every tick: it takes some milliseconds. Levels that give way to
+        For whoever looks, not for every tick: where a bound is touched it takes milliseconds. Levels that give way to
         those above them, and to no bound, are left out: that is what a hierarchy is for.
         """
         if self._problem is None or self._warm is None:
+            return ""
+        bounds, chi = self._problem.bounds, self._warm.chi
+        if min(float((chi - bounds.lower).min()), float((bounds.upper - chi).min())) > _TOUCH:
             return ""
         levels = blocked(self._problem, self._warm)
         held = [b for b in levels if any(obstacle.joint >= 0 for obstacle in b.obstacles)]
