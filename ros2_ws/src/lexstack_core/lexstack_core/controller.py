@@ -116,8 +116,9 @@ class Controller:
     def obstructed(self) -> str:
         """Return which levels of the last tick a joint's bound keeps from being met, or ''.
 
-        For whoever looks, not for every tick: where a bound is touched it takes milliseconds. Levels that give way to
-        those above them, and to no bound, are left out: that is what a hierarchy is for.
+        For whoever looks, not for every tick: where a bound is touched it takes milliseconds.
+        Levels that give way to those above them, and to no bound, are left out: that is what a
+        hierarchy is for.
         """
         if self._problem is None or self._warm is None:
             return ""
