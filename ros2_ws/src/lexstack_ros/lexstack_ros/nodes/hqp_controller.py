@@ -98,13 +98,14 @@ class HqpControllerNode(Node):
         return name == self._chi.sender
 
     def _on_source(self, message: Chi) -> None:
-        """Take robot B's chi, and what waits behind it."""
+        """Take robot B's chi, and what waits behind it, one by one: the first may be due."""
         for chi in (message, *(other for other, _ in waiting(self._source))):
             try:
                 self._controller.transition.hear(to_sample(chi, self._parts.team, "/robot_b/chi"))
             except InputError as error:
                 self._states.refuse(error)
-        self._serve(wait=True)
+                continue
+            self._serve(wait=True)
 
     def _on_plan(self, message: JointTrajectory) -> None:
         """Take a plan of the HTMPC."""
