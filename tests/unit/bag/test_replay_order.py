@@ -34,3 +34,11 @@ def test_what_is_in_order_stays_so():
 
 def test_an_answer_to_the_same_state_stays_behind_it():
     assert ordered((STATE, 1), (STATE, 2), (PLAN, 2)) == [(STATE, 1), (STATE, 2), (PLAN, 2)]
+
+
+@pytest.mark.parametrize("early", [PLAN, CHI])
+def test_an_answer_waits_for_its_state(early):
+    found = ordered((STATE, 1), (CHI, 1), (early, 2), (COMMAND, 1), (STATE, 2), (COMMAND, 2))
+    assert found == [
+        (STATE, 1), (CHI, 1), (COMMAND, 1), (STATE, 2), (early, 2), (COMMAND, 2)
+    ]  # fmt: skip
