@@ -36,6 +36,9 @@ from lexstack_sim.topics import PlantTopics
 
 _COMMAND = "/robot_a/chi"
 _EARLY = 1e-4  # s, by which a timer may come too early
+# A timer without a period would fire all the time while something else takes long, and its events
+# be queued faster than they are taken.
+_SOONEST = 100_000  # ns
 Answer = TypeVar("Answer", ApplyWrench.Response, SetBool.Response, Trigger.Response)
 
 
@@ -124,7 +127,7 @@ class SimBridge(Node):
     def _arm(self) -> None:
         """Let the timer come at the deadline."""
         self._wake = self._cycle.deadline
-        self._timer.timer_period_ns = max(1, round(1e9 * (self._wake - monotonic())))
+        self._timer.timer_period_ns = max(_SOONEST, round(1e9 * (self._wake - monotonic())))
         self._timer.reset()
 
     # ---- services
