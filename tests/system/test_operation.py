@@ -107,6 +107,13 @@ def test_a_node_has_the_topics_and_services_that_it_shall_have_and_no_other(run,
 
 
 @pytest.mark.parametrize("node", NODES)
+def test_the_ticks_go_before_what_works_beside_them(run, node):
+    pid = next(c.process.pid for c in run.supervisor.children if c.name == node)
+    mine = os.getpriority(os.PRIO_PROCESS, os.getpid())
+    assert os.getpriority(os.PRIO_PROCESS, pid) - mine == (5 if node == "recorder" else 0)
+
+
+@pytest.mark.parametrize("node", NODES)
 def test_every_parameter_says_what_it_is(run, node):
     listed = call(run, ListParameters, f"/{node}/list_parameters").result.names
     own = [

@@ -5,6 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lexstack_bag.parts import joined
+from lexstack_bag.reader import read_run
+from lexstack_bag.replay.changes import Changes
+from lexstack_bag.replay.nodes import Question, replay_controller, replay_solver
 from lexstack_core.config.resolved import load_scenario
 from lexstack_core.config.scenario import EventConfig
 from lexstack_experiments.loop import Loop
@@ -70,3 +74,15 @@ def test_two_solvers_give_the_very_motion_of_one(tmp_path):
         np.abs(np.frombuffer(chi[command.tick]) - command.chi).max() for command in alone.commands
     ]
     assert max(apart) < 1e-9
+    # Each message of the bag is replayed as what it is, a part of chi.
+    run = read_run(bag)
+    question = Question(run, Changes(), run.resolved)
+    solver, controller = (replay(question) for replay in (replay_solver, replay_controller))
+    assert solver.identical, solver.line()
+    assert len(solver.tick) == len(parts)
+    assert controller.identical, controller.line()
+    assert len(controller.tick) == 160
+    whole = joined(run, "robot_b")
+    both = whole.stack == "reach_base"
+    assert np.isfinite(whole.chi[both]).all()
+    assert np.isnan(run.chi["robot_b"].chi[both]).any()

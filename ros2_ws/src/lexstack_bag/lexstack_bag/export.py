@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from lexstack_bag.container import Progress
 from lexstack_bag.errors import BagError
 from lexstack_bag.measures import Measures
+from lexstack_bag.parts import joined
 from lexstack_bag.run import ProgressStream, Run
 from lexstack_core.linear import Matrix
 from lexstack_core.model import Team
@@ -144,7 +145,7 @@ def _errors(run: Run, measures: Measures) -> Columns:
 
 def _chi(run: Run, node: str, team: Team) -> Columns:
     """Return a node's chi with its bounds."""
-    chi = run.chi[node]
+    chi = joined(run, node)
     return {
         "tick": chi.tick,
         _TIME: chi.stamp,

@@ -17,6 +17,7 @@ from lexstack_bag.columns import StreamBuilder, seconds
 from lexstack_bag.container import Container, Progress, RawMessage, find_files
 from lexstack_bag.errors import BagError
 from lexstack_bag.loss import LossCounter
+from lexstack_bag.parts import among_all
 from lexstack_bag.planning import PlanningCollector
 from lexstack_bag.references import is_usable
 from lexstack_bag.run import (
@@ -100,7 +101,8 @@ class _Collector:
     def __init__(self, resolved: ResolvedScenario, *, plans: bool) -> None:
         """Start empty; ``plans`` as in ``read_run``."""
         self._resolved = resolved
-        n = Team.from_scenario(resolved).n
+        self._team = Team.from_scenario(resolved)
+        n = self._team.n
         self._counts: dict[str, int] = defaultdict(int)
         self._losses: dict[str, LossCounter] = defaultdict(LossCounter)
         self._plant = StreamBuilder(PlantStream, n, "first")
@@ -128,7 +130,7 @@ class _Collector:
             if self._plant.add(state):
                 self._begin_anew()
         elif topic in self._chi:
-            chi = self._decode(message)
+            chi = among_all(self._decode(message), self._team)
             self._chi[topic].add(chi, message.publish_time)
             if topic == COMMAND:
                 self._commanded[0].append(message.publish_time)

@@ -65,7 +65,8 @@ class PlantStream:
 class ChiStream:
     """``/robot_a/chi`` or ``/robot_b/chi``, one row per tick, ticks ascending.
 
-    Rows of numbers that were empty are nan.
+    Rows of numbers that were empty are nan, and so are the joints of robots that a message is not
+    about.
     """
 
     tick: Integers  # (T,)
@@ -82,6 +83,8 @@ class ChiStream:
     reason: Strings  # (T,)
     # ns since 1970, by the sender's clock; empty: not known
     sent: Integers = field(default_factory=lambda: read_only(np.zeros(0, np.int64)))  # (T,)
+    # names of the robots that each row is about, with a space between
+    robots: Names = field(default_factory=lambda: read_only(np.zeros(0, np.str_)))  # (T,)
 
 
 @dataclass(frozen=True, slots=True)

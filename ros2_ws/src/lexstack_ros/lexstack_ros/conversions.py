@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
-from numpy.typing import NDArray
 
 from lexstack_core.config.checks import shown
 from lexstack_core.controller import Command
@@ -100,7 +99,7 @@ def to_sample(message: Chi, team: Team, where: str) -> SourceSample:
     """Return a source's chi, of all robots or of some; raises InputError. ``where``: its topic."""
     robots = _some_robots(message.robots, team, where)
     slacks = to_vector(message.slacks, len(message.slacks), f"{where}: slacks")
-    chi = to_vector(message.chi, columns_of(team, robots).size, f"{where}: chi")
+    chi = to_vector(message.chi, team.columns(robots).size, f"{where}: chi")
     return SourceSample(
         message.transition_id,
         message.tick,
@@ -110,11 +109,6 @@ def to_sample(message: Chi, team: Team, where: str) -> SourceSample:
         None if len(robots) == len(team.robots) else robots,
         message.stack,
     )
-
-
-def columns_of(team: Team, robots: Sequence[int]) -> NDArray[np.intp]:
-    """Return the joints of some robots in chi."""
-    return np.concatenate([np.arange(team.slices[i].start, team.slices[i].stop) for i in robots])
 
 
 def _some_robots(names: Sequence[str], team: Team, where: str) -> tuple[int, ...]:
@@ -130,7 +124,7 @@ def _some_robots(names: Sequence[str], team: Team, where: str) -> tuple[int, ...
 def _among_all(chi: Vector, robots: Sequence[int], team: Team) -> Vector:
     """Return the chi of some robots with zeros for the others, shape (n,)."""
     whole = np.zeros(team.n)
-    whole[columns_of(team, robots)] = chi
+    whole[team.columns(robots)] = chi
     whole.setflags(write=False)
     return whole
 

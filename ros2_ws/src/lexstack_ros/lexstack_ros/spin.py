@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import signal
 import sys
 from collections.abc import Callable
@@ -19,11 +20,17 @@ from lexstack_core.errors import ConfigurationError, LexstackError
 from lexstack_ros.supervisor import end_with_supervisor
 
 BAD_ARGUMENT = 2
+BESIDE, LAST = 5, 10
+"""Niceness of what works beside the ticks, and of what may wait the longest."""
+
 _WAIT = 0.2  # s, after which the loop looks whether it is to end
 
 
-def run_node(factory: Callable[[], Node]) -> int:
+def run_node(factory: Callable[[], Node], niceness: int = 0) -> int:
     """Run the node that ``factory`` makes until SIGINT, SIGTERM or a shutdown of ROS.
+
+    With a ``niceness`` above 0 the process leaves the processors to others that need them: where
+    there are fewer cores than processes, what must be in time at every tick goes first.
 
     A node that can not go on sets its attribute ``failure`` to a LexstackError: an executor does
     not hand on what a callback raises. A node with a method ``close`` has it called before it is
@@ -35,6 +42,7 @@ def run_node(factory: Callable[[], Node]) -> int:
     """
     stop = _StopFlag()
     end_with_supervisor()
+    os.nice(niceness)  # before there are threads, which take it over
     try:
         begin_ros(sys.argv)
     except ConfigurationError as error:

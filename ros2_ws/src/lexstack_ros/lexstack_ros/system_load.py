@@ -41,6 +41,7 @@ class Measured:
         late: ticks that began late; missing: ticks without a command.
         cpu: share of a core by process [%].
         others: share of a core that all else on the machine took [%].
+        stolen: share of a core that a virtual machine's host kept for itself [%].
         memory: resident size by process [kB], every second.
         span: begin and end [ns since 1970].
     """
@@ -52,6 +53,7 @@ class Measured:
     missing: int = 0
     cpu: dict[str, float] = field(default_factory=dict)
     others: float = 0.0
+    stolen: float = 0.0
     memory: dict[str, list[int]] = field(default_factory=dict)
     span: tuple[int, int] = (0, 0)
 
@@ -65,7 +67,7 @@ def measured(rig: Rig, phase: str, seconds: float) -> Measured:
     before, begun, first = _now(rig), time.monotonic(), time.time_ns()
     renewed = begun
     spent = {name: cpu_time(pid) for name, pid in pids.items()}
-    own, all_ = time.process_time(), busy_time()
+    own, (all_, stolen) = time.process_time(), machine_times()
     while time.monotonic() - begun < seconds:
         time.sleep(max(0.0, min(_SAMPLE, begun + seconds - time.monotonic())))
         for name, pid in pids.items():
@@ -78,7 +80,9 @@ def measured(rig: Rig, phase: str, seconds: float) -> Measured:
         name: 100.0 * (cpu_time(pid) - spent[name]) / result.seconds for name, pid in pids.items()
     }
     ours = 100.0 * (time.process_time() - own) / result.seconds + sum(result.cpu.values())
-    result.others = 100.0 * (busy_time() - all_) / result.seconds - ours
+    all_, stolen = (end - begin for end, begin in zip(machine_times(), (all_, stolen), strict=True))
+    result.others = 100.0 * all_ / result.seconds - ours
+    result.stolen = 100.0 * stolen / result.seconds
     result.ticks = after.tick - before.tick
     result.late = after.late_ticks - before.late_ticks
     result.missing = after.missing_ticks - before.missing_ticks
@@ -125,11 +129,11 @@ def cpu_time(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / _TICKS
 
 
-def busy_time() -> float:
-    """Return the time that all cores together have worked so far [s] (Linux)."""
+def machine_times() -> tuple[float, float]:
+    """Return how long all cores have worked, and been kept by the host, so far [s] (Linux)."""
     line = Path("/proc/stat").read_text(encoding="ascii").splitlines()[0]
-    user, nice, system, _idle, _wait, *rest = (int(word) for word in line.split()[1:9])
-    return (user + nice + system + sum(rest)) / _TICKS
+    user, nice, system, _idle, _wait, irq, softirq, steal = (int(w) for w in line.split()[1:9])
+    return (user + nice + system + irq + softirq) / _TICKS, steal / _TICKS
 
 
 def resident(pid: int) -> int:

@@ -10,35 +10,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 
 from lexstack_bag.measures import COMMANDER
+from lexstack_bag.parts import robots_of
 from lexstack_bag.replay.outcome import Outcome, joints_of
 from lexstack_bag.replay.planner import PLANNER, heard_plans, replay_planner
 from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.requests import Ask, Cancel, requests_of
-from lexstack_bag.replay.states import EVER, Arrivals, States, all_of, begun_at, targets_of
-from lexstack_bag.run import ChiStream, Run, SolveStatus
-from lexstack_core.build import Parts, build_controller, build_references, build_stack_solver
+from lexstack_bag.replay.source import SOLVER, LiveSource, RecordedSource, Source, first_references
+from lexstack_bag.replay.states import EVER, States, all_of, begun_at, targets_of
+from lexstack_bag.run import Run
+from lexstack_core.build import Parts, build_controller, build_stack_solver
 from lexstack_core.controller import Controller
 from lexstack_core.linear import Matrix, Vector
-from lexstack_core.references import ReferenceSchedule, Target
-from lexstack_core.state import RobotState
-from lexstack_core.transition.status import Announcement, SourceSample, SourceSchedule
+from lexstack_core.stack import Stack
+from lexstack_core.transition.part import Columns
 
 __all__ = ["REPLAYERS", "Question", "recorded_nodes", "replay_controller", "replay_solver"]
-
-SOLVER = "robot_b"
-"""Whose chi robot B sends."""
 
 
 def replay_solver(question: Question) -> Outcome:
     """Return what robot B answers to the recorded states and requests."""
     run = question.run
     parts = Parts.of(question.resolved)
-    solver, references = build_stack_solver(question.resolved, parts), _references(question, parts)
+    solver = build_stack_solver(question.resolved, parts)
+    references = first_references(question, parts)
     states, chi = States(run), all_of(run, SOLVER)
     targets, begun = targets_of(run, parts.team), begun_at(chi)
     rows = [row for row, tick in enumerate(chi.tick) if int(tick) in states]
@@ -49,11 +47,22 @@ def replay_solver(question: Question) -> Outcome:
             references.add(target)
         state, stack = states[int(chi.tick[row])], str(chi.stack[row])
         stack = new if new and old in ("", stack) else stack
-        answer = solver.solve(stack, parts.team.kinematics(state), references.at(state.stamp))
-        replayed[place] = answer.chi if answer.chi.shape == replayed[place].shape else np.nan
+        asked, mine = _asked(parts, stack, str(chi.robots[row]))
+        answer = solver.solve(asked, parts.team.kinematics(state), references.at(state.stamp))
+        if answer.chi.shape == replayed[place].shape:
+            replayed[place, mine] = answer.chi[mine]
         question.progress((place + 1) / len(rows))
     joints = joints_of(parts.team)
     return Outcome(SOLVER, joints, chi.tick[rows], chi.stamp[rows], chi.chi[rows], replayed)
+
+
+def _asked(parts: Parts, stack: str, names: str) -> tuple[Stack, Columns]:
+    """Return what robot B, or one of several, solved of a stack, and the joints that it sent."""
+    robots, everyone = robots_of(names, parts.team), len(parts.team.names)
+    known = parts.stacks[stack]
+    if len(robots) == everyone:
+        return known, slice(0, parts.team.n)
+    return known.of(robots), parts.team.columns(robots)
 
 
 def replay_controller(question: Question) -> Outcome:
@@ -70,7 +79,7 @@ def replay_controller(question: Question) -> Outcome:
     targets, plans = targets_of(run, parts.team), heard_plans(run, parts.team)
     begun = dict(zip(chi.tick.tolist(), begun_at(chi).tolist(), strict=True))
     user = _User(requests_of(run, question.changes, question.resolved))
-    source = _LiveSource(question, parts) if question.changes else _RecordedSource(run)
+    source = LiveSource(question, parts) if question.changes else RecordedSource(run, parts.team)
     replayed = np.full((len(ticks), parts.team.n), np.nan)
     sent: Vector | None = None
     for place, tick in enumerate(ticks):
@@ -98,7 +107,7 @@ class _User:
         """Take the requests in their order."""
         self._waiting = list(requests)
 
-    def speak(self, controller: Controller, source: _Source, tick: int) -> None:
+    def speak(self, controller: Controller, source: Source, tick: int) -> None:
         """Ask what was asked before this tick was served."""
         while self._waiting and self._waiting[0].after < tick:
             request = self._waiting.pop(0)
@@ -113,111 +122,6 @@ class _User:
                     request.robots,
                 )
             source.hear(controller.transition.take_announcements())
-
-
-class _Source(Protocol):
-    """Robot B, as the replayed A meets it."""
-
-    references: _Listener
-
-    def hear(self, announcements: Iterable[Announcement]) -> None:
-        """Take what A tells it."""
-        ...
-
-    def answer(self, controller: Controller, state: RobotState, now: int) -> None:
-        """Let A hear what it knows when it begins a tick, at a time [ns]."""
-        ...
-
-
-class _Listener(Protocol):
-    """Takes references."""
-
-    def add(self, target: Target) -> None:
-        """Take one."""
-        ...
-
-
-class _RecordedSource:
-    """Robot B's recorded answers."""
-
-    def __init__(self, run: Run) -> None:
-        """Take them from a run."""
-        chi = all_of(run, SOLVER)
-        self._samples = Arrivals(
-            [
-                (int(chi.sent[row]), _sample(chi, row))
-                for row in range(len(chi.tick))
-                if not np.isnan(chi.chi[row]).any()  # A refused it
-            ]
-        )
-        self.references: _Listener = _Nobody()
-
-    def hear(self, announcements: Iterable[Announcement]) -> None:
-        """Do nothing: what B answered is known."""
-
-    def answer(self, controller: Controller, _state: RobotState, now: int) -> None:
-        """Let A hear all that was sent before it began this tick."""
-        for sample in self._samples.until(now):
-            controller.transition.hear(sample)
-
-
-def _slack(chi: ChiStream, row: int) -> float | None:
-    """Return what robot B said of level 1, None where it said nothing."""
-    known = chi.slacks.shape[1] > 0 and bool(np.isfinite(chi.slacks[row, 0]))
-    return float(chi.slacks[row, 0]) if known else None
-
-
-class _Nobody:
-    """Needs no references."""
-
-    def add(self, target: Target) -> None:
-        """Do nothing."""
-
-
-class _LiveSource:
-    """Robot B, solving again what the replayed A asks for."""
-
-    def __init__(self, question: Question, parts: Parts) -> None:
-        """Build it."""
-        self._team = parts.team
-        self._stacks = parts.stacks
-        self._solver = build_stack_solver(question.resolved, parts)
-        self._schedule = SourceSchedule()
-        self.references: ReferenceSchedule = _references(question, parts)
-
-    def hear(self, announcements: Iterable[Announcement]) -> None:
-        """Know what to solve."""
-        for announcement in announcements:
-            self._schedule.hear(announcement)
-
-    def answer(self, controller: Controller, state: RobotState, _now: int) -> None:
-        """Solve for a state, if a stack is asked for."""
-        for wanted in self._schedule.current(state.tick):
-            if self._stacks[wanted.stack].planned:
-                continue  # the HTMPC's
-            kinematics = self._team.kinematics(state)
-            references = self.references.at(state.stamp)
-            solution = self._solver.solve(wanted.stack, kinematics, references)
-            usable = solution.solved and bool(np.isfinite(solution.chi).all())
-            slack = float(solution.slacks[0]) if solution.slacks.size else None
-            sample = SourceSample(wanted.id, state.tick, solution.chi, usable, slack)
-            controller.transition.hear(sample)
-
-
-def _sample(chi: ChiStream, row: int) -> SourceSample:
-    """Return one of B's messages as A took it."""
-    return SourceSample(
-        int(chi.transition_id[row]),
-        int(chi.tick[row]),
-        chi.chi[row],
-        int(chi.status[row]) == SolveStatus.SOLVED,
-        _slack(chi, row),
-    )
-
-
-def _references(question: Question, parts: Parts) -> ReferenceSchedule:
-    """Return the scenario's first references."""
-    return build_references(question.resolved, parts.team)
 
 
 def _compared(run: Run, parts: Parts, ticks: list[int], replayed: Matrix) -> Outcome:

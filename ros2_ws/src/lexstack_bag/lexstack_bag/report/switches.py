@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from lexstack_bag.measures import COMMANDER
+from lexstack_bag.parts import joined
 from lexstack_bag.phases import Phase
 from lexstack_bag.report.figure import Figure, letters
 from lexstack_bag.report.layout import grid as grid_layout
@@ -75,7 +76,8 @@ def _solutions(
     legend: bool,
 ) -> list[Plain]:
     """Return chi_B dashed and the command solid for some joints of chi."""
-    command, source = run.chi[COMMANDER], run.chi.get(SOURCE)
+    command = run.chi[COMMANDER]
+    source = joined(run, SOURCE) if SOURCE in run.chi else None
     base = len(joints) == len(_BASE_NAMES)
     traces: list[Plain] = []
     for k, joint in enumerate(joints):

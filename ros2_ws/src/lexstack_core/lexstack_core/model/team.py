@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property, partial
 
 import numpy as np
@@ -74,6 +75,12 @@ class Team:
         if name not in self.names:
             raise ConfigurationError(f"unknown robot {shown(name)}; known: {', '.join(self.names)}")
         return self.names.index(name)
+
+    def columns(self, robots: Iterable[int]) -> Indices:
+        """Return the joints of some robots in chi, by the robots' places in the order."""
+        return np.concatenate(
+            [np.arange(self.slices[robot].start, self.slices[robot].stop) for robot in robots]
+        )
 
     def home(self, resolved: ResolvedScenario) -> Vector:
         """Return the configuration at which the scenario starts, shape (n,)."""

@@ -55,9 +55,8 @@ class Joiner:
         """Return parts side by side: residuals as one vector, solved where all are."""
         chi = np.zeros(self._team.n)
         for part in parts:
-            for robot in part.robots or ():
-                columns = self._team.slices[robot]
-                chi[columns] = part.chi[columns]
+            columns = self._team.columns(part.robots or ())
+            chi[columns] = part.chi[columns]
         chi.setflags(write=False)
         slacks = [part.slack for part in parts]
         slack = None

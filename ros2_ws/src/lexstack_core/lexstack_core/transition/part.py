@@ -37,7 +37,7 @@ class Part:
         places = tuple(sorted(robots))
         names = tuple(team.names[robot] for robot in places)
         slices = [team.slices[robot] for robot in places]
-        joints = np.concatenate([np.arange(part.start, part.stop) for part in slices])
+        joints = team.columns(places)
         columns: Columns = joints
         if joints.size == joints[-1] + 1 - joints[0]:
             columns = slice(int(joints[0]), int(joints[-1]) + 1)

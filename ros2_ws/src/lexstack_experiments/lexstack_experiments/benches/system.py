@@ -37,7 +37,7 @@ _COLUMNS = (
     "case", "phase", "ticks/s", "in its best second", "late %", "missing %",
     "state to command p50 ms", "p99 ms",
     "CPU % of a core: bridge", "robot A", "robot B", "HTMPC", "recorder",
-    "others on the machine %",
+    "others on the machine %", "kept by the host %",
 )  # fmt: skip
 _NODES = ("sim_bridge", "hqp_controller", "stack_solver", "htmpc", "recorder")
 
@@ -177,6 +177,7 @@ def _row(case: str, phase: dict[str, Any]) -> tuple[Cell, ...]:
         *latency,
         *(_share(phase, name) for name in _NODES),
         phase["others"],
+        phase["stolen"],
     )
 
 

@@ -31,7 +31,7 @@ from lexstack_ros.plan_conversions import (
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import LATCHED, STREAM
 from lexstack_ros.sequence_changes import SequenceChanges, Wish
-from lexstack_ros.spin import run_node
+from lexstack_ros.spin import BESIDE, run_node
 
 ACTION = "/htmpc/execute_sequence"
 
@@ -245,7 +245,7 @@ class HtmpcNode(Node):
 
 def main() -> int:
     """Run the HTMPC; returns the exit code."""
-    return run_node(HtmpcNode)
+    return run_node(HtmpcNode, BESIDE)
 
 
 if __name__ == "__main__":

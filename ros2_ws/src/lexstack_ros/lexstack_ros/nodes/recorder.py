@@ -26,7 +26,7 @@ from lexstack_ros.recording import (
     matching_qos,
 )
 from lexstack_ros.recording_options import RecordingOptions
-from lexstack_ros.spin import run_node
+from lexstack_ros.spin import BESIDE, run_node
 
 _DISCOVERY_PERIOD = 0.2  # s
 _FLUSH_PERIOD = 1.0  # s
@@ -170,7 +170,7 @@ class Recorder(Node):
 
 def main() -> int:
     """Run the recorder; returns the exit code."""
-    return run_node(Recorder)
+    return run_node(Recorder, BESIDE)
 
 
 if __name__ == "__main__":

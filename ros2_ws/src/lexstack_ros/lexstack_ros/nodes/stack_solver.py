@@ -15,7 +15,7 @@ from lexstack_core.stack_solver import share
 from lexstack_core.state import RobotState
 from lexstack_core.transition.status import Announcement, SourceSchedule
 from lexstack_interfaces.msg import Chi, StackRequest
-from lexstack_ros.conversions import WORLD, columns_of, to_announcement, to_array, to_time
+from lexstack_ros.conversions import WORLD, to_announcement, to_array, to_time
 from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.parameters import count_parameter, scenario_parameter
 from lexstack_ros.plant_states import PlantStates
@@ -108,7 +108,7 @@ class StackSolverNode(Node):
         if self._resolved.scenario.solvers > 1:
             robots = range(len(team.robots)) if stack.robots is None else stack.robots
             chi.robots = [team.names[robot] for robot in robots]
-            vectors = tuple(vector[columns_of(team, robots)] for vector in vectors)
+            vectors = tuple(vector[team.columns(robots)] for vector in vectors)
         chi.chi, chi.lower, chi.upper = (to_array(vector) for vector in vectors)
         chi.slacks = to_array(solution.slacks)
         usable = solution.solved and bool(np.isfinite(solution.chi).all())

@@ -23,7 +23,7 @@ from lexstack_ros.conversions import to_seconds, to_vector
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.readiness import READY
 from lexstack_ros.references import TargetTopics
-from lexstack_ros.spin import run_node
+from lexstack_ros.spin import LAST, run_node
 from lexstack_ros.view.actions import Actions
 from lexstack_ros.view.hub import Hub
 from lexstack_ros.view.news import COMMANDER, SOURCE, news
@@ -123,7 +123,7 @@ def _newest(depth: int) -> QoSProfile:
 
 def main() -> int:
     """Run the live page's node; returns the exit code."""
-    return run_node(ViewNode)
+    return run_node(ViewNode, LAST)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,135 @@
+"""Robot B, as a replayed robot A meets it: as it was recorded, or solving anew."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Protocol
+
+import numpy as np
+
+from lexstack_bag.parts import robots_of
+from lexstack_bag.replay.question import Question
+from lexstack_bag.replay.states import Arrivals, all_of
+from lexstack_bag.run import ChiStream, Run, SolveStatus
+from lexstack_core.build import Parts, build_references, build_stack_solver
+from lexstack_core.controller import Controller
+from lexstack_core.model import Team
+from lexstack_core.references import ReferenceSchedule, Target
+from lexstack_core.state import RobotState
+from lexstack_core.transition.status import Announcement, SourceSample, SourceSchedule
+
+SOLVER = "robot_b"
+"""Whose chi robot B sends."""
+
+
+class Source(Protocol):
+    """Robot B, as the replayed A meets it."""
+
+    references: _Listener
+
+    def hear(self, announcements: Iterable[Announcement]) -> None:
+        """Take what A tells it."""
+        ...
+
+    def answer(self, controller: Controller, state: RobotState, now: int) -> None:
+        """Let A hear what it knows when it begins a tick, at a time [ns]."""
+        ...
+
+
+class _Listener(Protocol):
+    """Takes references."""
+
+    def add(self, target: Target) -> None:
+        """Take one."""
+        ...
+
+
+class RecordedSource:
+    """Robot B's recorded answers."""
+
+    def __init__(self, run: Run, team: Team) -> None:
+        """Take them from a run."""
+        samples = _samples(all_of(run, SOLVER), team)
+        self._samples = Arrivals(list(samples))
+        self.references: _Listener = _Nobody()
+
+    def hear(self, announcements: Iterable[Announcement]) -> None:
+        """Do nothing: what B answered is known."""
+
+    def answer(self, controller: Controller, _state: RobotState, now: int) -> None:
+        """Let A hear all that was sent before it began this tick."""
+        for sample in self._samples.until(now):
+            controller.transition.hear(sample)
+
+
+def _slack(chi: ChiStream, row: int) -> float | None:
+    """Return what robot B said of level 1, None where it said nothing."""
+    known = chi.slacks.shape[1] > 0 and bool(np.isfinite(chi.slacks[row, 0]))
+    return float(chi.slacks[row, 0]) if known else None
+
+
+class _Nobody:
+    """Needs no references."""
+
+    def add(self, target: Target) -> None:
+        """Do nothing."""
+
+
+class LiveSource:
+    """Robot B, solving again what the replayed A asks for."""
+
+    def __init__(self, question: Question, parts: Parts) -> None:
+        """Build it."""
+        self._team = parts.team
+        self._stacks = parts.stacks
+        self._solver = build_stack_solver(question.resolved, parts)
+        self._schedule = SourceSchedule()
+        self.references: ReferenceSchedule = first_references(question, parts)
+
+    def hear(self, announcements: Iterable[Announcement]) -> None:
+        """Know what to solve."""
+        for announcement in announcements:
+            self._schedule.hear(announcement)
+
+    def answer(self, controller: Controller, state: RobotState, _now: int) -> None:
+        """Solve for a state, if a stack is asked for."""
+        for wanted in self._schedule.current(state.tick):
+            if self._stacks[wanted.stack].planned:
+                continue  # the HTMPC's
+            kinematics = self._team.kinematics(state)
+            references = self.references.at(state.stamp)
+            solution = self._solver.solve(wanted.stack, kinematics, references)
+            usable = solution.solved and bool(np.isfinite(solution.chi).all())
+            slack = float(solution.slacks[0]) if solution.slacks.size else None
+            sample = SourceSample(wanted.id, state.tick, solution.chi, usable, slack)
+            controller.transition.hear(sample)
+
+
+def _samples(chi: ChiStream, team: Team) -> Iterator[tuple[int, SourceSample]]:
+    """Yield B's messages as A took them, with the times of their sending [ns]."""
+    for row in range(len(chi.tick)):
+        robots = robots_of(str(chi.robots[row]), team)
+        some = len(robots) < len(team.names)
+        values = chi.chi[row]
+        if some:
+            values, columns = np.zeros(team.n), team.columns(robots)
+            values[columns] = chi.chi[row, columns]
+        if np.isnan(values).any():
+            continue  # A refused it
+        yield (
+            int(chi.sent[row]),
+            SourceSample(
+                int(chi.transition_id[row]),
+                int(chi.tick[row]),
+                values,
+                int(chi.status[row]) == SolveStatus.SOLVED,
+                _slack(chi, row),
+                robots if some else None,
+                str(chi.stack[row]),
+            ),
+        )
+
+
+def first_references(question: Question, parts: Parts) -> ReferenceSchedule:
+    """Return the scenario's first references."""
+    return build_references(question.resolved, parts.team)
