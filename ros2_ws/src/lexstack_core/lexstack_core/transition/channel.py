@@ -94,7 +94,7 @@ class Channel:
         if not blend.takes_over:
             # A part of a stack cannot be compared with what B says of the whole.
             known = level if blend.way.whole else ()
-            source, why = sources.present(source, request.id, moment.tick, known, asked)
+            source, why = sources.present(source, request.id, moment, known, asked)
             reason = why or reason
         chi = sources.chi(source, request.id, target, moment)
         if source is not blend.source or blend.level_jumps(level, moment, means):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Protocol
@@ -10,14 +9,14 @@ from typing import Protocol
 import numpy as np
 
 from lexstack_core.config.scenario import ScenarioConfig
-from lexstack_core.linear import LinearTask, Vector
+from lexstack_core.linear import Vector
 from lexstack_core.model import Kinematics
 from lexstack_core.references import References
 from lexstack_core.stack import Stack
 from lexstack_core.transition.status import Source, SourceSample
+from lexstack_core.transition.witness import Rows, Witness
 
-Rows = tuple[LinearTask, ...]
-_ROUNDING = 1e-6  # relative and absolute, of the norm of level 1's residual
+_EVIDENCE = 10  # chi in a row that miss level 1, in realtime
 
 
 class LocalSource(Protocol):
@@ -62,9 +61,9 @@ class Sources:
         self._heard: dict[int, SourceSample] = {}  # the newest of each transition
         # In lockstep the wait has happened, on the wall's clock, before a tick is served.
         lockstep, timeouts = scenario.mode == "lockstep", scenario.timeouts
-        self._lockstep = lockstep
         self._stale = 0 if lockstep else round(timeouts.source_stale * scenario.rate)
         self._patience = 0 if lockstep else round(timeouts.source_patience * scenario.rate)
+        self._witness = Witness(self._stale, 1 if lockstep else _EVIDENCE)
 
     def hear(self, sample: SourceSample) -> None:
         """Take robot B's newest chi of a transition."""
@@ -73,6 +72,7 @@ class Sources:
     def keep(self, transition_ids: Collection[int]) -> None:
         """Forget all other transitions."""
         self._heard = {id_: heard for id_, heard in self._heard.items() if id_ in transition_ids}
+        self._witness.keep(transition_ids)
 
     def fresh(self, transition_id: int, tick: int) -> Vector | None:
         """Return B's chi (n,) for a transition if it is new enough for this tick, else None."""
@@ -86,21 +86,14 @@ class Sources:
         heard = self._heard.get(transition_id)
         return heard is not None and heard.solved and heard.tick > tick
 
-    def wrong_by(self, transition_id: int, tick: int, level: Rows) -> float:
-        """Return by how much the chi of this very tick misses what its source says of level 1.
+    def wrong_by(self, transition_id: int, tick: int, level: Rows, *, anew: bool = False) -> float:
+        """Return by how much a source's chi misses what it says of level 1, 0 if it does not.
 
-        A solves level 1 from the same state, so it can tell whether a chi that claims to be of
-        this tick is. In realtime a new target may reach the two robots at different ticks, and
-        chi is older: there the age alone counts. Without ``level`` there is nothing to compare.
+        ``level`` is level 1 at this tick; without it there is nothing to compare. ``anew``: with
+        other references than at the tick before.
         """
         heard = self._heard.get(transition_id)
-        if not self._lockstep or not level or heard is None or heard.slack is None:
-            return 0.0
-        if heard.tick != tick:
-            return 0.0
-        residual = sum(float(r.dot(r)) for r in (task.residual(heard.chi) for task in level))
-        miss = abs(math.sqrt(residual) - heard.slack)
-        return 0.0 if miss <= _ROUNDING * (1.0 + heard.slack) else miss
+        return 0.0 if heard is None else self._witness.miss(heard, tick, level, anew=anew)
 
     def first(
         self,
@@ -126,7 +119,7 @@ class Sources:
         self,
         source: Source,
         transition_id: int,
-        tick: int,
+        moment: Moment,
         level: Rows,
         asked: Source = Source.ROBOT_B,
     ) -> tuple[Source, str]:
@@ -134,8 +127,10 @@ class Sources:
 
         ``level`` is level 1 of the new stack at this tick, ``asked`` who is to solve it.
         """
+        tick, changed = moment.tick, source is not asked
         if self.fresh(transition_id, tick) is not None:
-            changed, miss = source is not asked, self.wrong_by(transition_id, tick, level)
+            anew = moment.references is not moment.before
+            miss = self.wrong_by(transition_id, tick, level, anew=anew)
             if not miss:
                 return asked, f"{asked.called} is back at tick {tick}" if changed else ""
             return (source, "") if changed else (self._lost, _wrong(tick, miss, self._lost))
