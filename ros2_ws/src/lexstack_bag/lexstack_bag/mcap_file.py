@@ -10,7 +10,7 @@ import struct
 import time
 import zlib
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import zstandard
@@ -56,7 +56,8 @@ class McapFile:
         self._chunk = _Chunk()
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
-        self._chunks: list[ChunkIndex] = []
+        self._chunks = bytearray()  # their index: as objects an hour would take 25 MB
+        self._chunk_count = 0
         self._metadata: list[MetadataIndex] = []
         self._counts: list[int] = [0]  # by channel id
         self._span = (0, 0)  # ns, first and last log time
@@ -148,34 +149,33 @@ class McapFile:
             data = entries.tobytes()
             length = 6 + len(data)
             index += _INDEX.pack(Opcode.MESSAGE_INDEX, length, channel, len(data)) + data
-        self._chunks.append(
-            ChunkIndex(
-                chunk_length=len(record),
-                chunk_start_offset=start,
-                compression=name,
-                compressed_size=len(packed),
-                message_end_time=last,
-                message_index_length=len(index),
-                message_index_offsets=offsets,
-                message_start_time=first,
-                uncompressed_size=len(content),
-            )
+        entry = ChunkIndex(
+            chunk_length=len(record),
+            chunk_start_offset=start,
+            compression=name,
+            compressed_size=len(packed),
+            message_end_time=last,
+            message_index_length=len(index),
+            message_index_offsets=offsets,
+            message_start_time=first,
+            uncompressed_size=len(content),
         )
+        self._chunks += _encoded(entry)
+        self._chunk_count += 1
         self._put(index)
         self._chunk = _Chunk()
 
     def _put_summary(self) -> None:
         """Write the summary section and the footer."""
         start, data, offsets = self.size, b"", b""
-        groups: tuple[tuple[Opcode, Sequence[McapRecord]], ...] = (
-            (Opcode.SCHEMA, self._schemas),
-            (Opcode.CHANNEL, self._channels),
-            (Opcode.STATISTICS, [self._statistics()]),
-            (Opcode.CHUNK_INDEX, self._chunks),
-            (Opcode.METADATA_INDEX, self._metadata),
+        groups = (
+            (Opcode.SCHEMA, _all_encoded(self._schemas)),
+            (Opcode.CHANNEL, _all_encoded(self._channels)),
+            (Opcode.STATISTICS, _encoded(self._statistics())),
+            (Opcode.CHUNK_INDEX, bytes(self._chunks)),
+            (Opcode.METADATA_INDEX, _all_encoded(self._metadata)),
         )
-        for opcode, records in groups:
-            group = b"".join(_encoded(record) for record in records)
+        for opcode, group in groups:
             if group:
                 offsets += _encoded(SummaryOffset(opcode, start + len(data), len(group)))
             data += group
@@ -193,7 +193,7 @@ class McapFile:
             attachment_count=0,
             channel_count=len(self._channels),
             channel_message_counts=dict(enumerate(self._counts[1:], start=1)),
-            chunk_count=len(self._chunks),
+            chunk_count=self._chunk_count,
             message_count=sum(self._counts),
             message_end_time=self._span[1],
             message_start_time=self._span[0],
@@ -256,3 +256,8 @@ def _encoded(record: McapRecord) -> bytes:
     builder = RecordBuilder()
     record.write(builder)
     return bytes(builder.end())
+
+
+def _all_encoded(records: Iterable[McapRecord]) -> bytes:
+    """Return the bytes of records, one after another."""
+    return b"".join(map(_encoded, records))

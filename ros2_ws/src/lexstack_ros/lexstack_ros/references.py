@@ -86,19 +86,38 @@ class CatchingUp:
     """What a node that comes late takes from them; one that was there from the start nothing."""
 
     def __init__(
-        self, node: Node, team: Team, take: Callable[[str, int, str, PoseStamped], None]
+        self,
+        node: Node,
+        team: Team,
+        take: Callable[[str, int, str, PoseStamped], None],
+        on_all: Callable[[], None],
     ) -> None:
-        """Listen; ``take`` puts a target into the schedule, see TargetTopics."""
+        """Listen.
+
+        Args:
+            node: that may come late.
+            team: the robots.
+            take: puts a target into the schedule, see TargetTopics.
+            on_all: called when the last missing reference has come.
+        """
         self._take = take
+        self._on_all = on_all
         self._late: bool | None = None
         self._waiting: list[tuple[str, int, str, PoseStamped]] = []
+        self._missing: set[str] = set()  # topics that were not heard yet
         for robot, name in enumerate(team.names):
             for kind, topic in (
                 ("ee_target", f"/{name}/ee_reference"),
                 ("base_target", f"/{name}/base_reference"),
             ):
+                self._missing.add(topic)
                 hear = partial(self._hear, kind, robot, topic)
                 node.create_subscription(PoseStamped, topic, hear, LATCHED)
+
+    @property
+    def complete(self) -> bool:
+        """Whether all references are known: topics are connected one by one."""
+        return not (self._late and self._missing)
 
     def join(self, tick: int) -> None:
         """Take note of the first state: a later one than the plant's first is late."""
@@ -110,7 +129,11 @@ class CatchingUp:
 
     def _hear(self, kind: str, robot: int, topic: str, message: PoseStamped) -> None:
         """Keep a reference until it is known whether it is needed, or take it."""
+        incomplete = not self.complete
+        self._missing.discard(topic)
         if self._late is None:
             self._waiting.append((kind, robot, topic, message))
         elif self._late:
             self._take(kind, robot, topic, message)
+            if incomplete and self.complete:
+                self._on_all()

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from lexstack_core.linear import Vector
 from lexstack_core.stack import Stack, joined
 from lexstack_core.transition.blend import Blend, Way
 from lexstack_core.transition.channel import Channel, past_of
+from lexstack_core.transition.lineup import PartOf
 from lexstack_core.transition.part import Part
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.request import SwitchRequest
@@ -56,9 +57,7 @@ def begun(
     )
 
 
-def together(
-    channels: Sequence[Channel], part_of: Callable[[Iterable[int]], Part]
-) -> tuple[Channel, ...]:
+def together(channels: Sequence[Channel], part_of: PartOf) -> tuple[Channel, ...]:
     """Return the channels with those made one that serve the same stack alone.
 
     Args:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 from lexstack_core.bounds import JointLimits
@@ -17,6 +17,7 @@ from lexstack_core.transition.asked import AskedLimits
 from lexstack_core.transition.channel import Channel, asked_of
 from lexstack_core.transition.gathering import begun, together
 from lexstack_core.transition.joining import Joiner
+from lexstack_core.transition.lineup import as_asked, coupling, references_before, without
 from lexstack_core.transition.methods import JERK_LIMITED, METHODS
 from lexstack_core.transition.part import Part
 from lexstack_core.transition.plan import Means, Plans
@@ -306,17 +307,16 @@ class Transition:
         """Take a request's robots out of their channels, on to their way."""
         part, tick = self._part(request.robots), kinematics.state.tick
         touched = [each for each in self._channels if part.shares(each.part)]
-        coupling = _coupling(touched, part)
-        if coupling:
-            reason = f"transition {request.id} to {request.stack!r} is dropped: {coupling}"
+        coupled = coupling(touched, part)
+        if coupled:
+            reason = f"transition {request.id} to {request.stack!r} is dropped: {coupled}"
             self._channels = tuple(
                 replace(each, reason=reason) if each in touched else each for each in self._channels
             )
             return
-        rest = [(each, set(each.part.robots) - set(part.robots)) for each in touched]
         inside = [each.of(self._part(set(each.part.robots) & set(part.robots))) for each in touched]
         target = self._stacks[request.stack].of(part.robots)
-        before = _before(inside, references)
+        before = references_before(inside, references)
         moment = Moment(kinematics, references, before)
         whole = target is self._stacks[request.stack]
         level = target.first(kinematics, references) if whole else ()
@@ -327,8 +327,7 @@ class Transition:
         chi = self._sources.chi(source, request.id, target, moment)
         goal = (part, target, whole)
         channel = begun(inside, request, goal, (source, chi, why), moment, means)
-        others = [each for each in self._channels if each not in touched]
-        others += [each.of(self._part(robots)) for each, robots in rest if robots]
+        others = without(self._channels, part.robots, self._part)
         self._channels = tuple(sorted([*others, channel], key=lambda each: each.part.robots))
 
     def _needs(self, channel: Channel, tick: int) -> bool:
@@ -367,21 +366,14 @@ class Transition:
         if stack not in self._stacks:
             return ""  # the book says what is known
         part = self._part(robots or self._book.robots(stack))
-        channels: Sequence[Channel] = self._channels
-        for request in (*self._pending, *self._book.scheduled):
-            if at_tick and request.at_tick > at_tick:
-                break
-            other = self._part(request.robots)
-            goal = self._stacks[request.stack].of(request.robots)
-            rest = [set(each.part.robots) - set(other.robots) for each in channels]
-            channels = [
-                each.of(self._part(robots))
-                for each, robots in zip(channels, rest, strict=True)
-                if robots
-            ]
-            channels.append(Channel(other, (goal,), ""))
-        coupling = _coupling([each for each in channels if part.shares(each.part)], part)
-        return coupling and f"stack {stack!r}: {coupling}"
+        earlier = [
+            request
+            for request in (*self._pending, *self._book.scheduled)
+            if not at_tick or request.at_tick <= at_tick
+        ]
+        channels = as_asked(self._channels, earlier, self._stacks, self._part)
+        coupled = coupling([each for each in channels if part.shares(each.part)], part)
+        return coupled and f"stack {stack!r}: {coupled}"
 
     def _back(self, stack: Stack, reason: str) -> Answer:
         """Ask for a stack that robots were on before."""
@@ -395,28 +387,3 @@ class Transition:
         if key not in self._parts:
             self._parts[key] = Part.of(self._team, key)
         return self._parts[key]
-
-
-def _coupling(channels: Iterable[Channel], part: Part) -> str:
-    """Return which task couples robots of a part with others of their channel, in words, or ''."""
-    for channel in channels:
-        task = channel.target.coupling(part.robots)
-        if task:
-            others = [name for name in channel.part.names if name not in part.names]
-            return (
-                f"the task {task!r} of {channel.target.name!r} couples its robots with "
-                f"{', '.join(others)}"
-            )
-    return ""
-
-
-def _before(channels: Sequence[Channel], references: References) -> References:
-    """Return the references of the tick before, of every robot from its channel."""
-    if len(channels) == 1:
-        return channels[0].used or references
-    ee, base = list(references.ee), list(references.base)
-    for channel in channels:
-        used = channel.used or references
-        for robot in channel.part.robots:
-            ee[robot], base[robot] = used.ee[robot], used.base[robot]
-    return References(tuple(ee), tuple(base))

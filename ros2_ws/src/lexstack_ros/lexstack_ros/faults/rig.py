@@ -118,8 +118,10 @@ class Rig:
         if name == RECORDER and "output" not in given:
             self.bags.append(self._out / f"bag_{len(self.bags)}")
             given["output"] = str(self.bags[-1])
-        # Not all nodes: one that comes back serves as soon as it is connected with these.
-        given["peers"] = ",".join(other for other in _PARTNERS if other != name)
+        # Not all nodes: one that comes back serves as soon as it is connected with these. The
+        # recorder, where there is one, shall miss nothing of it.
+        there = {child.name for child in self.supervisor.children} & {RECORDER}
+        given["peers"] = ",".join(other for other in (*_PARTNERS, *there) if other != name)
         begun = time.time_ns()
         log = self._out / "logs" / f"{name}.log"
         if log.exists():

@@ -51,7 +51,7 @@ class StackSolverNode(Node):
         self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
         team = self._parts.team
         self._targets = TargetTopics(self, team, build_references(self._resolved, team))
-        self._catching_up = CatchingUp(self, team, self._targets.take)
+        self._catching_up = CatchingUp(self, team, self._targets.take, self._serve)
         self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
         realtime = self._resolved.scenario.mode == "realtime"
@@ -76,9 +76,12 @@ class StackSolverNode(Node):
         self._serve()
 
     def _serve(self) -> None:
-        """Send the optimum of each stack that is asked for, once per state and request."""
+        """Send the optimum of each stack that is asked for, once per state and request.
+
+        Not before all references are known: towards others the robots would move.
+        """
         state = self._state
-        if state is None:
+        if state is None or not self._catching_up.complete:
             return
         if self._served[0] != state.tick:
             self._served = (state.tick, set())
