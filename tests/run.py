@@ -10,7 +10,9 @@ import sys
 import time
 from pathlib import Path
 
+from lexstack_ros.shared_memory import FREE_AFTER, remove_abandoned
 from support.browser import find_browser
+from support.leftovers import our_processes, what_is_left
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -84,7 +86,17 @@ def main() -> int:
     if failed:
         print(f"FAILED before the tests, see above: {', '.join(failed)}", flush=True)
     offer_browser()
-    return run_tests(arguments) or (1 if failed else 0)
+    before = our_processes()
+    removed = remove_abandoned(patience=FREE_AFTER)
+    print(
+        f"before the tests: {len(before)} other processes of lexstack, no abandoned shared memory "
+        f"({len(removed)} removed)",
+        flush=True,
+    )
+    code = run_tests(arguments)
+    left = what_is_left(before)
+    print(f"after the tests: {'; '.join(left) or 'no process and no shared memory left'}")
+    return code or (1 if failed or left else 0)
 
 
 if __name__ == "__main__":

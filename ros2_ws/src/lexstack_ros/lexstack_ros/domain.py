@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lexstack_core.errors import LexstackError
+from lexstack_ros.shared_memory import FREE_AFTER, remove_abandoned
 
 _IDS = range(1, 101)  # Linux has no trouble with the ports of these
 
@@ -20,7 +21,20 @@ class NoDomainError(LexstackError):
 
 @contextmanager
 def own_domain() -> Iterator[int]:
-    """Yield the environment's ROS_DOMAIN_ID, or one that no other run has while this one lasts."""
+    """Yield the environment's ROS_DOMAIN_ID, or one that no other run has while this one lasts.
+
+    At the end, when all processes of the run have ended, shared memory that killed ones left goes.
+    """
+    with _domain() as domain:
+        try:
+            yield domain
+        finally:
+            remove_abandoned(patience=FREE_AFTER)
+
+
+@contextmanager
+def _domain() -> Iterator[int]:
+    """Yield the environment's ROS_DOMAIN_ID, or one that no other run has."""
     given = os.environ.get("ROS_DOMAIN_ID")
     if given is not None:
         if not given.isdecimal() or int(given) > 232:

@@ -1,0 +1,37 @@
+"""What a run must not leave on the machine: processes, and their shared memory."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from lexstack_ros.shared_memory import FOLDER, abandoned
+
+_OURS = (b"lexstack_ros.", b"lexstack_sim.", b"lexstack_bag.", b"lexstack_experiments.")
+_PATIENCE = 10.0  # s, in which what is ending ends
+
+
+def our_processes() -> dict[int, str]:
+    """Return the command lines of lexstack's processes on this machine, by process id (Linux)."""
+    found = {}
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            words = (folder / "cmdline").read_bytes().split(b"\0")
+        except OSError:
+            continue  # it has ended
+        if any(word.startswith(_OURS) for word in words):
+            found[int(folder.name)] = b" ".join(words).decode(errors="replace")
+    return found
+
+
+def what_is_left(before: dict[int, str], folder: Path = FOLDER) -> list[str]:
+    """Return what has come since ``before`` and does not go, a line each; waits for it a while."""
+    end = time.monotonic() + _PATIENCE
+    while True:
+        new = [
+            f"process {pid}: {line}" for pid, line in our_processes().items() if pid not in before
+        ]
+        left = [*new, *(f"shared memory: {path}" for path in abandoned(folder))]
+        if not left or time.monotonic() > end:
+            return left
+        time.sleep(0.2)

@@ -1,0 +1,135 @@
+"""What killed processes leave in shared memory is found and removed, and nothing else is."""
+
+import fcntl
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from lexstack_ros.shared_memory import FOLDER, abandoned, remove_abandoned
+from support.leftovers import our_processes, what_is_left
+
+LONG_AGO = (1.0, 1.0)
+SEGMENT, PORT = "fastrtps_0123456789abcdef", "fastrtps_port7413"
+# A node of its own, for itself alone, that tells when it has its segment and port.
+NODE = (
+    "import rclpy, time; rclpy.init(); node = rclpy.create_node('left_behind');"
+    "print('up', flush=True); time.sleep(60)"
+)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Return a folder like /dev/shm, with files of others."""
+    for name in ("lttng-ust-wait-6", "sem.other", "fastrtps_short", "fastrtps_portal"):
+        (tmp_path / name).touch()
+    return tmp_path
+
+
+def make(folder, name, *more, old=True):
+    for each in (name, *(name + suffix for suffix in more)):
+        (folder / each).touch()
+        if old:
+            os.utime(folder / each, LONG_AGO)
+
+
+def hold(path, how):
+    handle = os.open(path, os.O_RDONLY)
+    fcntl.flock(handle, how)
+    return handle
+
+
+def test_what_nobody_holds_goes_with_all_that_belongs_to_it(folder):
+    before = sorted(folder.iterdir())
+    make(folder, SEGMENT, "_el")
+    make(folder, PORT, "_el", "_sl")
+    make(folder, f"sem.{PORT}_mutex")
+    make(folder, "fastrtps_port99")  # its lock went before it
+    make(folder, "fastrtps_00000000000000ff_el")  # its segment went before its lock
+    names = [SEGMENT, PORT, "fastrtps_port99", "fastrtps_00000000000000ff"]
+    assert abandoned(folder) == sorted(folder / name for name in names)
+    assert remove_abandoned(folder) == sorted(folder / name for name in names)
+    assert sorted(folder.iterdir()) == before
+    assert abandoned(folder) == []
+
+
+@pytest.mark.parametrize("suffix", ["_el", "_sl"])
+@pytest.mark.parametrize("name", [SEGMENT, PORT])
+@pytest.mark.parametrize("how", [fcntl.LOCK_EX, fcntl.LOCK_SH])
+def test_what_somebody_holds_stays(folder, name, suffix, how):
+    make(folder, name, suffix)
+    handle = hold(folder / (name + suffix), how)
+    assert abandoned(folder) == []
+    assert remove_abandoned(folder) == []
+    assert (folder / name).exists()
+    os.close(handle)
+    assert remove_abandoned(folder) == [folder / name]
+
+
+def test_a_port_that_was_made_just_now_stays(folder):
+    make(folder, PORT, old=False)
+    assert remove_abandoned(folder) == []
+    os.utime(folder / PORT, LONG_AGO)
+    assert remove_abandoned(folder) == [folder / PORT]
+
+
+def test_with_patience_it_goes_when_it_is_old_enough(folder):
+    make(folder, PORT, "_el", old=False)
+    begun = time.monotonic()
+    assert remove_abandoned(folder, patience=10.0) == [folder / PORT]
+    assert 1.0 < time.monotonic() - begun < 5.0
+    begun = time.monotonic()
+    assert remove_abandoned(folder, patience=10.0) == []
+    assert time.monotonic() - begun < 1.0
+
+
+def test_where_there_is_no_shared_memory_there_is_nothing_to_do(tmp_path):
+    assert remove_abandoned(tmp_path / "none") == []
+
+
+def test_of_a_living_process_nothing_goes_and_of_a_killed_one_all():
+    def segments():
+        return {path.name for path in FOLDER.glob("fastrtps_*") if path.name.count("_") == 1}
+
+    before = segments()
+    process = subprocess.Popen(
+        [sys.executable, "-c", NODE],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "ROS_DOMAIN_ID": "215"},
+    )
+    try:
+        assert process.stdout.readline() == "up\n"
+        mine = {name for name in segments() - before if "port" not in name}
+        assert mine
+        remove_abandoned()
+        assert mine <= segments()
+    finally:
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+    remove_abandoned()
+    assert not mine & segments()
+
+
+# ---- the check of the tests themselves
+
+
+def test_a_process_of_ours_that_is_left_is_told(tmp_path, monkeypatch):
+    monkeypatch.setattr("support.leftovers._PATIENCE", 0.3)
+    make(tmp_path, SEGMENT, "_el")
+    before = our_processes()
+    command = [sys.executable, "-c", "import time; time.sleep(60)", "lexstack_ros.nodes.pretended"]
+    process = subprocess.Popen(command)
+    try:
+        (process_line, memory_line) = what_is_left(before, tmp_path)
+        assert process_line.startswith(f"process {process.pid}: ")
+        assert process_line.endswith("lexstack_ros.nodes.pretended ")
+        assert memory_line == f"shared memory: {tmp_path / SEGMENT}"
+    finally:
+        process.kill()
+        process.wait()
+    remove_abandoned(tmp_path)
+    assert what_is_left(before, tmp_path) == []
