@@ -22,7 +22,10 @@ THEIRS = slice(10, 20)
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory, resolved):
-    """Tick 0: both parts; 1: robot B's alone; 2: A's twice, then B's; 3: a failed one; 4: whole."""
+    """Tick 0: both parts; 1: robot B's alone; 2: A's twice, then B's; 3: a failed one; 4: whole.
+
+    The parts of tick 2 arrive in between those of tick 0.
+    """
     folder = tmp_path_factory.mktemp("parts") / "bag"
     with BagWriter(folder, run_facts(resolved)) as writer:
         maker = Maker(writer, resolved)
@@ -30,10 +33,10 @@ def run(tmp_path_factory, resolved):
             maker.plant(tick)
         for tick, robots, value in (
             (0, A, 1.0),
-            (0, B, 2.0),
-            (1, B, 3.0),
             (2, A, 4.0),
             (2, A, 5.0),
+            (0, B, 2.0),
+            (1, B, 3.0),
             (2, B, 6.0),
             (3, A, None),
             (4, BOTH, 7.0),
@@ -46,7 +49,7 @@ def run(tmp_path_factory, resolved):
                 "lexstack_interfaces/msg/Chi",
                 stamp=tick / 100,
                 tick=tick,
-                sender="stack_solver@host/1/0",
+                sender="stack_solver@host/1/0" if robots != B else "stack_solver_2@host/2/0",
                 robots=robots,
                 stack="reach_base",
                 transition_id=1,

@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from lexstack_ros.shared_memory import FOLDER, abandoned, remove_abandoned
+from lexstack_ros.shared_memory import FOLDER, FREE_AFTER, abandoned, remove_abandoned
 from support.leftovers import our_processes, what_is_left
 
 LONG_AGO = (1.0, 1.0)
@@ -110,7 +110,7 @@ def test_of_a_living_process_nothing_goes_and_of_a_killed_one_all():
     finally:
         process.send_signal(signal.SIGKILL)
         process.communicate()
-    remove_abandoned()
+    remove_abandoned(patience=FREE_AFTER)
     assert not mine & segments()
 
 

@@ -17,11 +17,10 @@ from lexstack_bag.columns import StreamBuilder, seconds
 from lexstack_bag.container import Container, Progress, RawMessage, find_files
 from lexstack_bag.errors import BagError
 from lexstack_bag.loss import LossCounter
-from lexstack_bag.parts import among_all
+from lexstack_bag.parts import ChiBuilder
 from lexstack_bag.planning import PlanningCollector
 from lexstack_bag.references import is_usable
 from lexstack_bag.run import (
-    ChiStream,
     PlantStream,
     Run,
     StackRequested,
@@ -101,15 +100,12 @@ class _Collector:
     def __init__(self, resolved: ResolvedScenario, *, plans: bool) -> None:
         """Start empty; ``plans`` as in ``read_run``."""
         self._resolved = resolved
-        self._team = Team.from_scenario(resolved)
-        n = self._team.n
+        team = Team.from_scenario(resolved)
         self._counts: dict[str, int] = defaultdict(int)
         self._losses: dict[str, LossCounter] = defaultdict(LossCounter)
-        self._plant = StreamBuilder(PlantStream, n, "first")
-        self._transition = StreamBuilder(TransitionStream, n, "all")
-        self._chi = {
-            f"/{controller}/chi": StreamBuilder(ChiStream, n, "last") for controller in CONTROLLERS
-        }
+        self._plant = StreamBuilder(PlantStream, team.n, "first")
+        self._transition = StreamBuilder(TransitionStream, team.n, "all")
+        self._chi = {f"/{controller}/chi": ChiBuilder(team) for controller in CONTROLLERS}
         scenario = resolved.scenario
         self._planning = PlanningCollector(scenario.robots, scenario.rate, plans=plans)
         self._targets: list[Target] = []
@@ -130,7 +126,7 @@ class _Collector:
             if self._plant.add(state):
                 self._begin_anew()
         elif topic in self._chi:
-            chi = among_all(self._decode(message), self._team)
+            chi = self._decode(message)
             self._chi[topic].add(chi, message.publish_time)
             if topic == COMMAND:
                 self._commanded[0].append(message.publish_time)
@@ -147,23 +143,20 @@ class _Collector:
         plant = self._plant.build()
         if not len(plant.tick):
             raise BagError(f"{path}: holds no message of {PLANT_STATE}")
+        chi = {topic.split("/")[1]: builder.build() for topic, builder in self._chi.items()}
         return Run(
             path,
             facts,
             self._resolved,
             plant,
-            {topic.split("/")[1]: builder.build() for topic, builder in self._chi.items()},
+            {node: last for node, (last, _) in chi.items()},
             self._transition.build(),
             tuple(self._targets),
             dict(sorted(self._counts.items())),
             _lost(container, self._losses),
             container.complete,
             self._requests(),
-            {
-                topic.split("/")[1]: builder.replaced.build()
-                for topic, builder in self._chi.items()
-                if builder.replaced is not None
-            },
+            {node: replaced for node, (_, replaced) in chi.items()},
             self._planning.build(),
         )
 
@@ -172,6 +165,8 @@ class _Collector:
         self._requested.clear()
         self._targets.clear()
         self._planning.begin_anew()
+        for builder in self._chi.values():
+            builder.begin_anew()
 
     def _add_target(self, message: RawMessage) -> None:
         """Take a reference: it holds from its stamp on, or at once if that has passed."""

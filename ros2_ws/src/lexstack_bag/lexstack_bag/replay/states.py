@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import fields
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
+from lexstack_bag.parts import concatenated, rows_of
 from lexstack_bag.references import scheduled
 from lexstack_bag.run import ChiStream, Integers, Run
 from lexstack_core.model import Team
@@ -63,19 +63,8 @@ def all_of(run: Run, node: str) -> ChiStream:
     one, other = run.chi[node], run.replaced.get(node)
     if other is None or not len(other.tick):
         return one
-    order = np.argsort(np.concatenate([one.sent, other.sent]), kind="stable")
-
-    def joined(name: str) -> Any:
-        parts = [getattr(one, name), getattr(other, name)]
-        if name == "slacks":
-            longest = max(part.shape[1] for part in parts)
-            parts = [
-                np.pad(part, ((0, 0), (0, longest - part.shape[1])), constant_values=np.nan)
-                for part in parts
-            ]
-        return np.concatenate(parts)[order]
-
-    return ChiStream(**{field.name: joined(field.name) for field in fields(ChiStream)})
+    rows = concatenated([one, other])
+    return rows_of(rows, np.argsort(rows.sent, kind="stable"))
 
 
 class Arrivals(Generic[T]):
