@@ -8,17 +8,7 @@ import pytest
 from lexstack_experiments.benches import BENCHES
 from lexstack_experiments.commands import bench, experiment
 from lexstack_experiments.experiments import EXPERIMENTS, transition_methods
-
-
-def numbers(value):
-    """Yield every number in a decoded JSON value."""
-    if isinstance(value, dict):
-        value = list(value.values())
-    if isinstance(value, list):
-        for entry in value:
-            yield from numbers(entry)
-    elif isinstance(value, int | float) and not isinstance(value, bool):
-        yield value
+from support.results import numbers
 
 
 def results_of(main, name, folder, *arguments):

@@ -8,6 +8,7 @@ import pytest
 from lexstack_experiments.benches import htmpc as bench
 from lexstack_experiments.commands import experiment
 from lexstack_experiments.experiments import EXPERIMENTS, delivery, htmpc_tuning
+from support.results import numbers
 
 NAMES = {
     "lexicographic-constraints",
@@ -19,17 +20,6 @@ NAMES = {
     "oracle",
     "tune-htmpc",
 }
-
-
-def numbers(value):
-    """Yield every number in a decoded JSON value."""
-    if isinstance(value, dict):
-        value = list(value.values())
-    if isinstance(value, list):
-        for entry in value:
-            yield from numbers(entry)
-    elif isinstance(value, int | float) and not isinstance(value, bool):
-        yield value
 
 
 def results_of(name, folder, cases):

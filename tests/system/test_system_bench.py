@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from lexstack_experiments.benches import system
@@ -35,3 +36,14 @@ def test_memory_that_grows_is_told():
     slopes = system._slopes([flat])
     assert abs(slopes["a"]) < 60.0
     assert slopes["b"] == pytest.approx(600.0), "10 kB a second"
+
+
+def test_late_ticks_count_apart_where_the_host_left_the_machine_alone():
+    second = 10**9
+    at = np.arange(400) * (second // 100)
+    late = np.cumsum((at >= second) & (at < 2 * second)) + (at >= 3 * second)  # all of second 1
+    ticks = np.stack([at, late], axis=1)
+    kept = [(k * second, 0.3 if k > 1 else 0.0) for k in range(5)]
+    assert system._undisturbed(ticks, kept[1:]) == (200, 1), "seconds 2 and 3 are left"
+    assert system._undisturbed(ticks, [(at, 0.0) for at, _ in kept[1:]]) == (300, 101)
+    assert system._undisturbed(ticks, [(k * second, 0.3 * k) for k in range(5)]) == (0, 0)

@@ -42,6 +42,7 @@ class Measured:
         cpu: share of a core by process [%].
         others: share of a core that all else on the machine took [%].
         stolen: share of a core that a virtual machine's host kept for itself [%].
+        kept: what it had kept so far [s], every second, each with its time [ns since 1970].
         memory: resident size by process [kB], every second.
         span: begin and end [ns since 1970].
     """
@@ -54,6 +55,7 @@ class Measured:
     cpu: dict[str, float] = field(default_factory=dict)
     others: float = 0.0
     stolen: float = 0.0
+    kept: list[tuple[int, float]] = field(default_factory=list)
     memory: dict[str, list[int]] = field(default_factory=dict)
     span: tuple[int, int] = (0, 0)
 
@@ -68,10 +70,12 @@ def measured(rig: Rig, phase: str, seconds: float) -> Measured:
     renewed = begun
     spent = {name: cpu_time(pid) for name, pid in pids.items()}
     own, (all_, stolen) = time.process_time(), machine_times()
+    result.kept.append((time.time_ns(), stolen))
     while time.monotonic() - begun < seconds:
         time.sleep(max(0.0, min(_SAMPLE, begun + seconds - time.monotonic())))
         for name, pid in pids.items():
             result.memory[name].append(resident(pid))
+        result.kept.append((time.time_ns(), machine_times()[1]))
         if time.monotonic() - renewed > _RENEW:
             _renew(rig, phase)
             renewed = time.monotonic()

@@ -91,7 +91,9 @@ class Collisions:
         pushes = np.zeros((stages, count, 3))
         stiffness = np.zeros((stages, count, 3, 3))
         if self._around is not None:
-            room, away = self._room(at)
+            room, apart, distance = self._room(at)
+            # In its centre there is no direction: with zero the pair pushes nowhere, but costs.
+            away = apart / np.maximum(distance, _CONCENTRIC)[..., None]
             first, second = slopes_within(self._config, room, self._range)
             pushes += (first[:, :, None] @ away)[:, :, 0]
             stiffness += away.transpose(0, 1, 3, 2) @ (second[..., None] * away)
@@ -107,14 +109,18 @@ class Collisions:
         hessian = jacobian.transpose(0, 2, 1) @ weighted.reshape(stages, 3 * count, n)
         return gradient, hessian
 
-    def _room(self, at: StageKinematics) -> tuple[Array, Array]:
-        """Return what is left (N, s, o) [m], and the directions away, shape (N, s, o, 3)."""
+    def _room(self, at: StageKinematics) -> tuple[Array, Array, Array]:
+        """Return what is left [m], the ways from things to spheres [m], and their lengths [m].
+
+        Shapes (N, s, o), (N, s, o, 3) and (N, s, o).
+        """
         assert self._around is not None
-        apart = at.centers[:, :, None] - self._around.centers[:, None]
-        distance = np.sqrt(np.einsum("ksoi,ksoi->kso", apart, apart))
-        # In its centre there is no direction: with zero the pair pushes nowhere, but still costs.
-        apart /= np.maximum(distance, _CONCENTRIC)[..., None]
-        return distance - self._reach, apart
+        if self not in at.found:
+            apart = at.centers[:, :, None] - self._around.centers[:, None]
+            distance = np.sqrt(np.einsum("ksoi,ksoi->kso", apart, apart))
+            at.found[self] = distance - self._reach, apart, distance
+        found: tuple[Array, Array, Array] = at.found[self]
+        return found
 
 
 def _check(around: Surroundings, stages: int) -> None:

@@ -12,6 +12,7 @@ from lexstack_core.htmpc.limited_qp import NOTHING, Holding, LimitedQp
 from lexstack_core.htmpc.objectives import Task
 from lexstack_core.htmpc.program import Iterate, Program, Quadratic
 from lexstack_core.htmpc.qp import CondensedQp
+from lexstack_core.htmpc.stages import StageKinematics
 from lexstack_core.htmpc.status import LevelStatus, Outcome
 from lexstack_core.linear import Matrix, Vector
 
@@ -94,7 +95,7 @@ class Level:
 
     def _cost(self, iterate: Iterate) -> float:
         """Return J of H(8) alone."""
-        return self._task.cost(self._task.error(iterate.at))
+        return self._task.cost_at(iterate.at)
 
     def _status(self, steps: list[_Step], decrease: float, iterate: Iterate) -> LevelStatus:
         """Return the level's status: its last iteration decides, but a step stays a step."""
@@ -182,8 +183,8 @@ class Level:
     def _bent(self, iterate: Iterate, rows: _Rows, direction: Vector) -> Vector:
         """Return by how much a whole step would bend off the tangent of the guards, shape (r,)."""
         step = _PROBE * direction
-        tried = self._program.iterate(iterate.u + step.reshape(iterate.u.shape))
-        off = self._values(tried) - self._values(iterate) - rows.matrix @ step
+        tried = self._program.kinematics(iterate.u + step.reshape(iterate.u.shape))
+        off = self._values(tried) - self._values(iterate.at) - rows.matrix @ step
         return np.asarray(off / _PROBE**2)
 
     def _rows(self, iterate: Iterate) -> _Rows:
@@ -206,9 +207,9 @@ class Level:
             np.concatenate(upper),
         )
 
-    def _values(self, iterate: Iterate) -> Vector:
+    def _values(self, at: StageKinematics) -> Vector:
         """Return the values of all guards, one after the other."""
-        return np.concatenate([g.value(g.task.error(iterate.at)) for g in self._guards])
+        return np.concatenate([guard.value(guard.task.error(at)) for guard in self._guards])
 
     def _moving(self, stages: int) -> Vector | None:
         """Return 1 where the level may change an input, else 0, shape (N n,); None: all."""

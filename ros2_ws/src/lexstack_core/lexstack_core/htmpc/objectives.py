@@ -141,7 +141,20 @@ class Task:
 
     def error(self, at: StageKinematics) -> Matrix:
         """Return e at the states 1 to N, shape (N, s)."""
-        return self._measure.error(at, self.objective.reference)
+        return self._found(at)[0]
+
+    def cost_at(self, at: StageKinematics) -> float:
+        """Return J of H(8), without the state 0, which no input changes."""
+        return self._found(at)[1]
+
+    def _found(self, at: StageKinematics) -> tuple[Matrix, float]:
+        """Return error and cost; levels and their guards ask for them again and again."""
+        if self not in at.found:
+            error = self._measure.error(at, self.objective.reference)
+            error.setflags(write=False)
+            at.found[self] = error, self.cost(error)
+        found: tuple[Matrix, float] = at.found[self]
+        return found
 
     def jacobian(self, at: StageKinematics) -> Array:
         """Return de/dq, shape (N, s, n)."""
@@ -151,7 +164,7 @@ class Task:
         return jacobian
 
     def cost(self, error: Matrix) -> float:
-        """Return J of H(8), without the state 0, which no input changes."""
+        """Return J of H(8) for an error of shape (N, s)."""
         return 0.5 * float(np.vdot(self.weights * error, error))
 
     def stage_costs(self, error: Matrix) -> Vector:

@@ -193,6 +193,6 @@ class Htmpc:
 
 def _skipped(level: int, task: Task, iterate: Iterate) -> LevelStatus:
     """Return the status of a level that was not tried."""
-    cost = task.cost(task.error(iterate.at))
+    cost = task.cost_at(iterate.at)
     name = task.objective.name
     return LevelStatus(level, name, Outcome.SKIPPED, 0, (), 0, "", "not tried", cost, 0.0)

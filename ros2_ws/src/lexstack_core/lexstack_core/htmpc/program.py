@@ -84,9 +84,13 @@ class Program:
             upkeep += self.collisions.value(at)
         return Iterate(u, q, v, at, upkeep)
 
+    def kinematics(self, u: Matrix) -> StageKinematics:
+        """Return where inputs of shape (N, n) lead, at the states 1 to N."""
+        return self._model.at(self.horizon.roll_out(self._q, self._v, u)[0][1:])
+
     def cost(self, iterate: Iterate, task: Task) -> float:
         """Return J_l + J_eff + barriers, H(9a)."""
-        return iterate.upkeep + task.cost(task.error(iterate.at))
+        return iterate.upkeep + task.cost_at(iterate.at)
 
     def quadratic(self, iterate: Iterate, task: Task) -> Quadratic:
         """Return the cost of a level near an iterate; only the joints that the task may move."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ class StageKinematics:
         jacobian: of the tool, shape (N, 6, n), linear then angular, LOCAL_WORLD_ALIGNED.
         centers: of the spheres, shape (N, s, 3), m.
         slopes: their Jacobians, shape (N, 3 s, n).
+        found: what tasks and distances have found here, each by itself, so that none looks twice.
     """
 
     q: Matrix
@@ -34,6 +35,7 @@ class StageKinematics:
     jacobian: Array
     centers: Array
     slopes: Array
+    found: dict[object, Any] = field(default_factory=dict)
 
 
 class StageModel:

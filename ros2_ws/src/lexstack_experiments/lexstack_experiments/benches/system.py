@@ -20,6 +20,7 @@ import yaml
 
 from lexstack_bag.container import Container, find_files
 from lexstack_bag.reader import Decoder
+from lexstack_bag.run import Integers
 from lexstack_core.config.resolved import ResolvedScenario, load_scenario
 from lexstack_core.errors import LexstackError
 from lexstack_experiments.experiment import Experiment, Options
@@ -31,7 +32,9 @@ _MODULE = "lexstack_ros.system_load"
 _SHORT = 12.0  # s of each phase in lockstep
 _PATIENCE = 240.0  # s of wall time beside the phases
 _NS = 1_000_000_000
+_LITTLE = 0.01  # of a core
 _RATE, _LATE = 200.0, 1.0  # Hz, %
+_REALTIME = 100.0  # Hz
 _WHOM = {"alone": "A alone", "robot_b": "A follows B", "htmpc": "A follows the HTMPC"}
 _COLUMNS = (
     "case", "phase", "ticks/s", "in its best second", "late %", "missing %",
@@ -83,6 +86,7 @@ def run(options: Options) -> Results:
         (Table(_COLUMNS, tuple(_row(case.name, phase) for case, phase in rows)),),
         {"rate_hz": 100.0, "seconds_realtime": options.seconds, "seconds_lockstep": _SHORT},
         (
+            "The host of a virtual machine left a second alone if it kept less than 1 % of a core.",
             "State to command: from a state's sending to its command's arrival at the recorder.",
             "The user of the run, who asks and otherwise sleeps, shares the cores; so may others.",
         ),
@@ -131,14 +135,18 @@ def _add_times(bag: Path, phases: Sequence[dict[str, Any]]) -> None:
     """Add to each phase what its bag says of its times.
 
     ``latency``: median and 99th percentile from state to command [ms], or None. ``best``: ticks in
-    the second with the most of them.
+    the second with the most of them. ``undisturbed``: ticks, and late ones of them, in seconds of
+    which the host kept next to nothing.
     """
     sent: dict[int, int] = {}
+    late: list[tuple[int, int]] = []
     arrived: dict[int, int] = {}
     decode = Decoder()
     for message in Container(find_files(bag)).messages():
         if message.topic == "/plant/state":
-            sent.setdefault(decode(message).tick, message.publish_time)
+            state = decode(message)
+            sent.setdefault(state.tick, message.publish_time)
+            late.append((message.publish_time, state.late_ticks))
         elif message.topic == "/robot_a/chi":
             arrived.setdefault(decode(message).tick, message.log_time)
     for phase in phases:
@@ -151,6 +159,25 @@ def _add_times(bag: Path, phases: Sequence[dict[str, Any]]) -> None:
         phase["latency"] = (_at(delays, 50), _at(delays, 99)) if delays else None
         seconds = Counter((at - first) // _NS for at in sent.values() if first <= at <= last)
         phase["best"] = max(seconds.values(), default=None)
+        phase["undisturbed"] = _undisturbed(np.array(late), phase["kept"])
+
+
+def _undisturbed(late: Integers, kept: Sequence[tuple[int, float]]) -> tuple[int, int]:
+    """Return the ticks, and the late ones of them, of the intervals that the host left alone.
+
+    Args:
+        late: shape (T, 2): time [ns] of each tick and the late ones so far.
+        kept: time [ns], and what the host has kept until then [s].
+    """
+    ends = np.searchsorted(late[:, 0], [at for at, _ in kept])
+    ticks = beyond = 0
+    for (begin, before), (end, after), first, last in zip(
+        kept, kept[1:], ends, ends[1:], strict=False
+    ):
+        if first and after - before <= _LITTLE * (end - begin) / _NS:
+            ticks += int(last - first)
+            beyond += int(late[last - 1, 1] - late[first - 1, 1])
+    return ticks, beyond
 
 
 def _at(values: Sequence[float], percent: float) -> float:
@@ -199,6 +226,11 @@ def _figures(found: dict[str, list[dict[str, Any]]]) -> list[Figure]:
         ticks = sum(phase["ticks"] for phase in realtime)
         late = 100.0 * sum(phase["late"] for phase in realtime) / ticks
         figures.append(Figure("Realtime at 100 Hz: late ticks", late, "%", Goal("<=", _LATE)))
+        alone = np.sum([phase["undisturbed"] for phase in realtime], axis=0)
+        if alone[0]:
+            name = "Realtime, late ticks in seconds that the host left alone"
+            figures.append(Figure(name, 100.0 * float(alone[1] / alone[0]), "%"))
+            figures.append(Figure("Realtime, such seconds", float(alone[0] / _REALTIME), "s"))
         followed = [phase["latency"] for phase in realtime if phase["latency"]]
         figures += [
             Figure(

@@ -78,7 +78,8 @@ def done(options: Options, names: Sequence[str]) -> Found:
         if group:
             scenario = scenario_of(options.config, NAME)
             done_ = _perform(options, options.out / f"run_{number}", scenario, group)
-            found = _judged(options, done_["events"], scenario, done_["heard"])
+            heard = done_["heard"], done_["reasons"]
+            found = _judged(options, done_["events"], scenario, *heard)
             outcomes, unreadable = outcomes + found[0], unreadable + found[1]
     order = {name: place for place, name in enumerate(names)}
     return sorted(outcomes, key=lambda each: order[each.case]), unreadable
@@ -112,12 +113,14 @@ def _judged(
     events: Sequence[dict[str, Any]],
     resolved: ResolvedScenario,
     heard: Sequence[tuple[int, str, str]] = (),
+    reasons: Sequence[tuple[int, str, str]] = (),
 ) -> Found:
     """Return what came of cases that share a run."""
     bags = dict.fromkeys(Path(bag) for e in events for bag in (e["bag"], e["later"]))
     record = read_record(list(bags))
     # What was said of a recorder that was away is in no bag.
     record.diagnostics += [Told(*entry) for entry in heard if "recorder" in entry[1] + entry[2]]
+    record.transitions += [Told(*entry) for entry in reasons]
     options.say(f"{len(record.messages)} messages read from {len(bags)} bags")
     limits = Team.from_scenario(resolved).limits
     dt = 1.0 / resolved.scenario.rate

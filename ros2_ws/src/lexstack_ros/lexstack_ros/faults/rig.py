@@ -58,6 +58,8 @@ class Rig:
         complaints: by node, what it complained of last in /diagnostics.
         heard: all complaints, with time [ns since 1970] and node: a recorder that is away, or has
             no room, does not record what is said of it.
+        reasons: all reasons in robot A's transitions, with time [ns since 1970] and source: the
+            recorder may find a robot A that starts anew later than its users do.
     """
 
     def __init__(self, resolved: ResolvedScenario, out: Path, supervisor: Supervisor) -> None:
@@ -69,6 +71,7 @@ class Rig:
         self.transitions: dict[tuple[str, ...], TransitionStatus] = {}
         self.complaints: dict[str, str] = {}
         self.heard: list[tuple[int, str, str]] = []
+        self.reasons: list[tuple[int, str, str]] = []
         self.supervisor = supervisor
         self._out = out
         self._path = out / "scenario.yaml"
@@ -254,6 +257,8 @@ class Rig:
         if any(message.tick < each.tick for each in self.transitions.values()):
             self.transitions.clear()  # the plant began anew
         self.transitions[tuple(message.robots)] = message
+        if message.reason and (not self.reasons or message.reason != self.reasons[-1][-1]):
+            self.reasons.append((time.time_ns(), message.source, message.reason))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:

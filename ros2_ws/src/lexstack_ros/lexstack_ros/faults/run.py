@@ -212,7 +212,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def perform(resolved: ResolvedScenario, out: Path, cases: Sequence[Case]) -> dict[str, Any]:
-    """Do all cases in one run; returns the events, and what was heard in diagnostics."""
+    """Do all cases in one run; returns the events, and what was heard meanwhile."""
     following = any(case.phase == "following" for case in cases)
     transition = replace(resolved.scenario.transition, at_end="stay" if following else "adopt")
     resolved = replace(resolved, scenario=replace(resolved.scenario, transition=transition))
@@ -223,7 +223,7 @@ def perform(resolved: ResolvedScenario, out: Path, cases: Sequence[Case]) -> dic
             begun = time.monotonic()
             events.append(asdict(trials.perform(case)))
             print(f"{case.name}: {time.monotonic() - begun:.1f} s", file=sys.stderr, flush=True)
-        return {"events": events, "heard": rig.heard}
+        return {"events": events, "heard": rig.heard, "reasons": rig.reasons}
 
 
 if __name__ == "__main__":
