@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-from lexstack_ros.shared_memory import FREE_AFTER, remove_abandoned
+from lexstack_ros.shared_memory import remove_abandoned
 from support.browser import find_browser
 from support.leftovers import our_processes, what_is_left
 
@@ -89,7 +89,7 @@ def main() -> int:
         print(f"FAILED before the tests, see above: {', '.join(failed)}", flush=True)
     offer_browser()
     before = our_processes()
-    removed = remove_abandoned(patience=FREE_AFTER)
+    removed = remove_abandoned()
     print(
         f"before the tests: {len(before)} other processes of lexstack, no abandoned shared memory "
         f"({len(removed)} removed)",

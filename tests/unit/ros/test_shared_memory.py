@@ -5,14 +5,13 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 
-from lexstack_ros.shared_memory import FOLDER, FREE_AFTER, abandoned, remove_abandoned
+from lexstack_ros import shared_memory
+from lexstack_ros.shared_memory import FOLDER, abandoned, remove_abandoned
 from support.leftovers import our_processes, what_is_left
 
-LONG_AGO = (1.0, 1.0)
 SEGMENT, PORT = "fastrtps_0123456789abcdef", "fastrtps_port7413"
 # A node of its own, for itself alone, that tells when it has its segment and port.
 NODE = (
@@ -29,14 +28,12 @@ def folder(tmp_path):
     return tmp_path
 
 
-def make(folder, name, *more, old=True):
+def make(folder, name, *more):
     for each in (name, *(name + suffix for suffix in more)):
         (folder / each).touch()
-        if old:
-            os.utime(folder / each, LONG_AGO)
 
 
-def hold(path, how):
+def hold(path, how=fcntl.LOCK_EX):
     handle = os.open(path, os.O_RDONLY)
     fcntl.flock(handle, how)
     return handle
@@ -48,42 +45,48 @@ def test_what_nobody_holds_goes_with_all_that_belongs_to_it(folder):
     make(folder, PORT, "_el", "_sl")
     make(folder, f"sem.{PORT}_mutex")
     make(folder, "fastrtps_port99")  # its lock went before it
+    make(folder, "sem.fastrtps_port100_mutex")  # only its mutex is left
     make(folder, "fastrtps_00000000000000ff_el")  # its segment went before its lock
-    names = [SEGMENT, PORT, "fastrtps_port99", "fastrtps_00000000000000ff"]
-    assert abandoned(folder) == sorted(folder / name for name in names)
-    assert remove_abandoned(folder) == sorted(folder / name for name in names)
+    os.utime(folder / "fastrtps_00000000000000ff_el", (1.0, 1.0))
+    segments = [folder / "fastrtps_00000000000000ff", folder / SEGMENT]
+    ports = [folder / name for name in ("fastrtps_port100", PORT, "fastrtps_port99")]
+    assert abandoned(folder) == segments + ports
+    assert remove_abandoned(folder) == segments + ports
     assert sorted(folder.iterdir()) == before
     assert abandoned(folder) == []
 
 
-@pytest.mark.parametrize("suffix", ["_el", "_sl"])
-@pytest.mark.parametrize("name", [SEGMENT, PORT])
 @pytest.mark.parametrize("how", [fcntl.LOCK_EX, fcntl.LOCK_SH])
-def test_what_somebody_holds_stays(folder, name, suffix, how):
-    make(folder, name, suffix)
-    handle = hold(folder / (name + suffix), how)
-    assert abandoned(folder) == []
-    assert remove_abandoned(folder) == []
-    assert (folder / name).exists()
+def test_while_a_segment_is_held_it_stays_and_all_ports_do(folder, how):
+    dead = "fastrtps_ffffffffffffffff"
+    make(folder, SEGMENT, "_el")
+    make(folder, dead, "_el")
+    make(folder, PORT)
+    handle = hold(folder / f"{SEGMENT}_el", how)
+    assert abandoned(folder) == [folder / dead]
+    assert remove_abandoned(folder) == [folder / dead]
+    assert (folder / SEGMENT).exists()
+    assert (folder / PORT).exists()
     os.close(handle)
-    assert remove_abandoned(folder) == [folder / name]
+    assert remove_abandoned(folder) == [folder / SEGMENT, folder / PORT]
 
 
-def test_a_port_that_was_made_just_now_stays(folder):
-    make(folder, PORT, old=False)
+def test_what_is_about_to_be_locked_stays(folder):
+    """A segment is made after its lock."""
+    make(folder, f"{SEGMENT}_el")
+    make(folder, PORT)
     assert remove_abandoned(folder) == []
-    os.utime(folder / PORT, LONG_AGO)
-    assert remove_abandoned(folder) == [folder / PORT]
+    os.utime(folder / f"{SEGMENT}_el", (1.0, 1.0))
+    assert remove_abandoned(folder) == [folder / SEGMENT, folder / PORT]
 
 
-def test_with_patience_it_goes_when_it_is_old_enough(folder):
-    make(folder, PORT, "_el", old=False)
-    begun = time.monotonic()
-    assert remove_abandoned(folder, patience=10.0) == [folder / PORT]
-    assert 1.0 < time.monotonic() - begun < 5.0
-    begun = time.monotonic()
-    assert remove_abandoned(folder, patience=10.0) == []
-    assert time.monotonic() - begun < 1.0
+def test_a_process_that_begins_meanwhile_keeps_its_ports(folder, monkeypatch):
+    """Each port is looked at by itself: the first goes, then somebody comes."""
+    for port in (7400, 7401, 7402):
+        make(folder, f"fastrtps_port{port}")
+    seen = []
+    monkeypatch.setattr(shared_memory, "_in_use", lambda _folder: seen.append(1) or len(seen) > 1)
+    assert remove_abandoned(folder) == [folder / "fastrtps_port7400"]
 
 
 def test_where_there_is_no_shared_memory_there_is_nothing_to_do(tmp_path):
@@ -110,7 +113,7 @@ def test_of_a_living_process_nothing_goes_and_of_a_killed_one_all():
     finally:
         process.send_signal(signal.SIGKILL)
         process.communicate()
-    remove_abandoned(patience=FREE_AFTER)
+    remove_abandoned()
     assert not mine & segments()
 
 

@@ -29,7 +29,7 @@ def robots_of(names: str, team: Team) -> tuple[int, ...]:
 
 def among_all(message: Any, team: Team) -> Any:
     """Return a decoded chi with a place for every joint: nan for those that it is not about."""
-    robots = robots_of(" ".join(message.robots), team)
+    robots = robots_of(" ".join(getattr(message, "robots", ())), team)
     if len(robots) == len(team.names):
         return message
     columns = team.columns(robots)

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lexstack_core.errors import LexstackError
-from lexstack_ros.shared_memory import FREE_AFTER, remove_abandoned
+from lexstack_ros.shared_memory import remove_abandoned
 
 _IDS = range(1, 101)  # Linux has no trouble with the ports of these
 
@@ -29,7 +29,7 @@ def own_domain() -> Iterator[int]:
         try:
             yield domain
         finally:
-            remove_abandoned(patience=FREE_AFTER)
+            remove_abandoned()
 
 
 @contextmanager

@@ -27,7 +27,7 @@ from lexstack_ros.commands.demo import (
 )
 from lexstack_ros.hosts import SERVER, VARIABLES, HostsConfig, load_hosts
 from lexstack_ros.player import PLAYER, Player
-from lexstack_ros.shared_memory import FREE_AFTER, remove_abandoned
+from lexstack_ros.shared_memory import remove_abandoned
 from lexstack_ros.supervisor import Supervisor
 
 _LOOK = 0.2  # s between two looks whether all still run
@@ -147,7 +147,7 @@ def _end(supervisor: Supervisor) -> None:
     killed = supervisor.end()
     if killed:
         print(f"warning: had to be killed: {', '.join(killed)}", file=sys.stderr)
-    remove_abandoned(patience=FREE_AFTER)
+    remove_abandoned()
 
 
 def _parser(root: Path) -> argparse.ArgumentParser:
