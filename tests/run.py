@@ -58,16 +58,14 @@ def offer_browser() -> None:
 def run_tests(arguments: list[str]) -> int:
     """Run pytest with the arguments, or all of it where there are none; return the exit code.
 
-    What only computes runs on as many cores as there are. Of the system tests, whose processes
-    often wait, two run at a time; those that measure time, or keep both cores busy, run alone.
+    What only computes runs on as many cores as there are. The system tests start processes that
+    need them all, and come one after another.
     """
     variables = {**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1"}
     computing = ["tests", "--ignore=tests/system", "--numprocesses=auto", "--dist=worksteal"]
-    by_file = ["--dist=loadfile", "--no-loadscope-reorder"]
-    in_pairs = ["tests/system", "-m", "not alone", "--numprocesses=2", *by_file]
-    alone = ["tests/system", "-m", "alone"]
+    running = ["tests/system"]
     codes = []
-    for chosen in [arguments] if arguments else [computing, in_pairs, alone]:
+    for chosen in [arguments] if arguments else [computing, running]:
         command = [sys.executable, "-m", "pytest", *chosen]
         codes.append(subprocess.run(command, cwd=ROOT, env=variables, check=False).returncode)
     # Not the largest: a pytest that a signal has ended has a negative one.

@@ -18,7 +18,7 @@ from lexstack_ros.faults.rig import running
 from lexstack_ros.qos import STREAM
 from support.scenario import CONFIG
 
-pytestmark = [pytest.mark.system, pytest.mark.alone]
+pytestmark = pytest.mark.system
 
 # Robot B's death is in test_run.py, the HTMPC's in test_htmpc.py, a cut network in test_hosts.py.
 CHOSEN = (

@@ -21,7 +21,6 @@ from support.scenario import CONFIG, ROOT, SCENARIO, team
 WHY_NOT = why_not()
 pytestmark = [
     pytest.mark.system,
-    pytest.mark.alone,
     pytest.mark.skipif(bool(WHY_NOT), reason=WHY_NOT or "never"),
 ]
 LIMIT = team().limits.acceleration

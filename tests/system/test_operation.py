@@ -23,7 +23,7 @@ from support.listening import sockets
 from support.processes import read, running, short_scenario
 from support.scenario import ROOT, SCENARIO
 
-pytestmark = [pytest.mark.system, pytest.mark.alone]
+pytestmark = pytest.mark.system
 PATIENCE = 20.0  # s
 ROBOTS = ("robot_a", "robot_b")
 TOOLS = [f"/{r}/{t}" for r in ROBOTS for t in ("joint_states", "ee_pose", "odom")]

@@ -272,7 +272,6 @@ def test_one_live_node_among_recorded_ones_gives_the_recorded_chi(
     assert f"{node}: identical over all" in said
 
 
-@pytest.mark.alone
 def test_all_is_played_at_its_pace_with_the_clock(recorded, tmp_path, monkeypatch):
     """Recorded again, a bag that is played gives the same messages in the same time."""
     topics = ["/plant/state", "/robot_a/chi", "/robot_a/transition", "/robot_b/chi", "/clock"]

@@ -80,7 +80,6 @@ def test_the_same_seed_gives_the_same_bits(whole, tmp_path):
         assert all(one[tick] == other[tick] for tick in one), topic
 
 
-@pytest.mark.alone
 def test_realtime_completes_and_counts_late_ticks(tmp_path):
     with running(short_scenario(mode="realtime"), tmp_path) as run:
         begun = time.monotonic()
@@ -103,7 +102,7 @@ def blending(run, alpha):
     )
 
 
-@pytest.mark.parametrize("mode", ["lockstep", pytest.param("realtime", marks=pytest.mark.alone)])
+@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
 def test_kill_9_of_robot_b_while_it_blends(tmp_path, mode):
     with running(short_scenario(mode=mode), tmp_path) as run:
         victim = run.process("stack_solver")
