@@ -183,7 +183,8 @@ class KillAndAskAgain:
 
     def __init__(self, run):
         """Watch a run from its first tick on."""
-        self.run, self.killed, self.again, self.asked = run, 0, None, -np.inf
+        self.run, self.killed, self.again = run, 0, None
+        self.asked = self.cancelled = -np.inf  # s
         self.client = ActionClient(run.player, ExecuteSequence, ACTION)
         self.release = run.player.create_publisher(String, "/htmpc/release", STREAM)
         self.handles, self.results, self.seen = {}, {}, Counter()
@@ -217,7 +218,9 @@ class KillAndAskAgain:
             goal = ExecuteSequence.Goal(robot="robot_a", tasks=tasks, at_tick=at_tick)
             future = self.client.send_goal_async(goal, feedback_callback=self.feedback)
             future.add_done_callback(partial(self.accepted, accepted))
-        if accepted == 2 and self.seen["other"] > 15 and 1 not in self.results:
+        due = accepted == 2 and self.seen["other"] > 15 and 1 not in self.results
+        if due and time.monotonic() > self.cancelled + 2.0:
+            self.cancelled = time.monotonic()
             self.handles[1].cancel_goal_async()
 
     def feedback(self, message):

@@ -32,33 +32,49 @@ def state(tick, **values):
     return PlantState(tick=tick, sender="sim_bridge@h/1/0", **{**fields, **values})
 
 
-@pytest.mark.parametrize("executor_type", [EventsExecutor, SingleThreadedExecutor])
-@pytest.mark.parametrize(("newest", "served"), [(False, [1, 2, 3, 4, 5]), (True, [5])])
-def test_a_node_that_fell_behind_serves_all_or_the_newest(context, executor_type, newest, served):
+def served(context, executor_type, newest, messages):
+    """Return what a node that fell behind heard, until tick 5, and its states."""
     node = rclpy.create_node("listener", context=context)
     heard = []
-    states = PlantStates(node, team(), lambda s: heard.append(s.tick), lambda: None, newest=newest)
+    states = PlantStates(
+        node, team(), lambda s: heard.append(s.tick), lambda: heard.append("reset"), newest=newest
+    )
     out = node.create_publisher(PlantState, "/plant/state", STREAM)
     end = time.monotonic() + 10.0
     while out.get_subscription_count() == 0:
         assert time.monotonic() < end
         time.sleep(0.01)
-    for tick in (1, 2, 3):
-        out.publish(state(tick))
-    out.publish(state(4, q=[0.0] * 3))  # wrong: refused, in its place
-    out.publish(serialize_message(state(4))[:40])  # no message
-    out.publish(state(4))
-    out.publish(state(2))  # over
-    out.publish(state(5))
+    for message in messages:
+        out.publish(message)
     time.sleep(0.3)  # all wait
     executor = executor_type(context=context)
     executor.add_node(node)
-    while time.monotonic() < end and (not heard or heard[-1] < 5):
+    while time.monotonic() < end and (not heard or heard[-1] != 5):
         executor.spin_once(timeout_sec=0.1)
     for _ in range(10):
         executor.spin_once(timeout_sec=0.01)
-    assert heard == served
-    assert states.refused == 1
-    assert states.skipped == (4 if newest else 0)
     executor.shutdown()
     node.destroy_node()
+    return heard, states
+
+
+@pytest.mark.parametrize("executor_type", [EventsExecutor, SingleThreadedExecutor])
+@pytest.mark.parametrize(
+    ("newest", "wanted"), [(0, [1, 2, 3, 4, 5]), (1, [5]), (2, [4, 5]), (5, [5]), (6, [5])]
+)
+def test_a_node_that_fell_behind_serves_all_or_the_newest(context, executor_type, newest, wanted):
+    wrong = state(4, q=[0.0] * 3)  # refused, in its place
+    no_message = serialize_message(state(4))[:40]
+    over = state(2)
+    messages = [state(1), state(2), state(3), wrong, no_message, state(4), over, state(5)]
+    heard, states = served(context, executor_type, newest, messages)
+    assert heard == wanted
+    assert states.refused == 1
+    assert states.skipped == 5 - len(wanted)
+
+
+def test_nothing_of_before_a_reset_is_served_after_it(context):
+    messages = [state(18), state(19), state(1, resets=1), state(5, resets=1)]
+    heard, states = served(context, EventsExecutor, 6, messages)
+    assert heard == ["reset", 5], "18 was due"
+    assert states.skipped == 1

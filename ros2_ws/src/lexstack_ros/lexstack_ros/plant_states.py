@@ -41,13 +41,14 @@ class PlantStates:
         on_reset: Callable[[], None],
         on_commander: Callable[[str, bool], bool] = lambda _name, _follows: True,
         *,
-        newest: bool = False,
+        newest: int = 0,
     ) -> None:
         """Call ``on_state`` for every new tick, and before it ``on_reset`` if the plant was reset.
 
-        With ``newest`` states are skipped while newer ones wait. In realtime a node that has
-        fallen behind would else answer every state of its queue too late, for as long as it has no
-        time to catch up.
+        With ``newest`` states are skipped while newer ones wait, except for the newest one whose
+        tick is a multiple of ``newest``: 1 leaves the very newest alone. Where the plant does not
+        wait for it, a node that has fallen behind would else answer every state of its queue too
+        late, for as long as it has no time to catch up.
 
         ``on_commander`` is told whose commands the plant takes, and whether it has one for the
         last tick; the state is left out where it returns False.
@@ -65,6 +66,7 @@ class PlantStates:
         self._sender = SoleSender(_TOPIC, _SILENCE)
         self._order = TickOrder(_TOPIC)
         self._newest = newest
+        self._unserved: list[RobotState] = []
         self._subscription = node.create_subscription(
             PlantState, _TOPIC, with_info(self._take), STREAM
         )
@@ -89,18 +91,22 @@ class PlantStates:
 
     def _take(self, message: PlantState, info: dict[str, int]) -> None:
         """Hand on the states that wait and are to be served, all in order or the newest."""
-        messages = [(message, info), *waiting(self._subscription)]
+        for entry in ((message, info), *waiting(self._subscription)):
+            state = self._checked(*entry)
+            if state is not None:
+                self._unserved.append(state)
+        served = self._worth_serving(self._unserved)
+        self.skipped += len(self._unserved) - len(served)
+        self._unserved = []
+        for state in served:
+            self._on_state(state)
+
+    def _worth_serving(self, states: list[RobotState]) -> list[RobotState]:
+        """Return all states, or the newest one that is due and the newest one of all."""
         if not self._newest:
-            for entry in messages:
-                state = self._checked(*entry)
-                if state is not None:
-                    self._on_state(state)
-            return
-        checked = [self._checked(*entry) for entry in messages]
-        states = [state for state in checked if state is not None]
-        if states:
-            self.skipped += len(states) - 1
-            self._on_state(states[-1])
+            return states
+        due = [state for state in states if not state.tick % self._newest][-1:]
+        return due if due and due[0] is states[-1] else [*due, *states[-1:]]
 
     def _checked(self, message: PlantState, info: dict[str, int]) -> RobotState | None:
         """Return a state that is new and to be served; a paused plant repeats its last one."""
@@ -120,6 +126,7 @@ class PlantStates:
         self._hear(message, info)
         if self._order.begins_anew:
             self._node.get_logger().info("the plant was reset: starting anew")
+            self._unserved.clear()  # of before it
             self._on_reset()
         follows = message.status == PlantState.FOLLOWING
         wanted = not message.commander or self._on_commander(message.commander, follows)

@@ -7,6 +7,8 @@ import os
 import signal
 import sys
 from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 from types import FrameType
 
 import rclpy
@@ -16,21 +18,23 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
+from lexstack_core.config.scenario import Mode
 from lexstack_core.errors import ConfigurationError, LexstackError
 from lexstack_ros.supervisor import end_with_supervisor
 
 BAD_ARGUMENT = 2
-BESIDE, LAST = 5, 10
-"""Niceness of what works beside the ticks, and of what may wait the longest."""
+LAST = 10
+"""Niceness of what may wait the longest."""
+_BESIDE = 5
 
 _WAIT = 0.2  # s, after which the loop looks whether it is to end
 
 
-def run_node(factory: Callable[[], Node], niceness: int = 0) -> int:
+def run_node(factory: Callable[[], Node]) -> int:
     """Run the node that ``factory`` makes until SIGINT, SIGTERM or a shutdown of ROS.
 
-    With a ``niceness`` above 0 the process leaves the processors to others that need them: where
-    there are fewer cores than processes, what must be in time at every tick goes first.
+    A node with a ``niceness`` above 0 leaves the processors to others that need them: where there
+    are fewer cores than processes, what must be in time at every tick goes first.
 
     A node that can not go on sets its attribute ``failure`` to a LexstackError: an executor does
     not hand on what a callback raises. A node with a method ``close`` has it called before it is
@@ -42,7 +46,6 @@ def run_node(factory: Callable[[], Node], niceness: int = 0) -> int:
     """
     stop = _StopFlag()
     end_with_supervisor()
-    os.nice(niceness)  # before there are threads, which take it over
     try:
         begin_ros(sys.argv)
     except ConfigurationError as error:
@@ -52,6 +55,7 @@ def run_node(factory: Callable[[], Node], niceness: int = 0) -> int:
     node: Node | None = None
     try:
         node = factory()
+        _yield_to_others(getattr(node, "niceness", 0))
         executor.add_node(node)
         # A full collection looks at 75 000 objects of the libraries, for 20 ms: two ticks. None of
         # them ever goes, so from now on it looks at what is made while the node runs.
@@ -94,6 +98,26 @@ def begin_ros(arguments: list[str]) -> None:
         raise ConfigurationError(
             f"arguments of the node: unknown {unknown[0]!r}; parameters: --ros-args -p NAME:=VALUE"
         )
+
+
+def beside(mode: Mode) -> int:
+    """Return the niceness of what works beside the ticks.
+
+    In lockstep nothing is ever late, and what does not wait for others would run away from them.
+    """
+    return _BESIDE if mode == "realtime" else 0
+
+
+def _yield_to_others(niceness: int) -> None:
+    """Raise the niceness of this process; Linux has one for each of its threads."""
+    if not niceness:
+        return
+    tasks = Path("/proc/self/task")
+    threads = [int(task.name) for task in tasks.iterdir()] if tasks.exists() else [0]
+    for thread in threads:
+        with suppress(ProcessLookupError):  # a thread that has ended since
+            before = os.getpriority(os.PRIO_PROCESS, thread)
+            os.setpriority(os.PRIO_PROCESS, thread, before + niceness)
 
 
 class _StopFlag:

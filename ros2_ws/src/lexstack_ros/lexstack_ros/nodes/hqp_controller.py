@@ -77,7 +77,7 @@ class HqpControllerNode(Node):
             self._on_state,
             self._restart,
             self._on_commander,
-            newest=self._resolved.scenario.mode == "realtime",
+            newest=int(self._resolved.scenario.mode == "realtime"),
         )
 
     # ---- the tick

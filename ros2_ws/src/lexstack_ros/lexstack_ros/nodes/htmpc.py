@@ -31,7 +31,7 @@ from lexstack_ros.plan_conversions import (
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import LATCHED, STREAM
 from lexstack_ros.sequence_changes import SequenceChanges, Wish
-from lexstack_ros.spin import BESIDE, run_node
+from lexstack_ros.spin import beside, run_node
 
 ACTION = "/htmpc/execute_sequence"
 
@@ -47,10 +47,11 @@ class HtmpcNode(Node):
         self._team = Team.from_scenario(self._resolved)
         self._every = scenario.htmpc.ticks(scenario.rate)
         self._lockstep = scenario.mode == "lockstep"
+        self.niceness = beside(scenario.mode)
         self._jobs: dict[int, Job] = {}  # by robot
         self._by_goal: dict[bytes, Job] = {}
         self._state: RobotState | None = None
-        self._waits: RobotState | None = None  # a state that is not served yet
+        self._waits: RobotState | None = None  # a state that a plan is due for
         self._later: list[Wish] = []
         self._meter = Meter()
         self._failures = 0
@@ -73,7 +74,9 @@ class HtmpcNode(Node):
         )
         SequenceChanges(self, self._team, self._change)
         Diagnostics(self, self._health)
-        self._states = PlantStates(self, self._team, self._on_state, self._restart)
+        self._states = PlantStates(
+            self, self._team, self._on_state, self._restart, newest=self._every
+        )
 
     # ---- goals
 
@@ -142,7 +145,9 @@ class HtmpcNode(Node):
 
     def _on_state(self, state: RobotState) -> None:
         """Plan from a new state, when a plan is due."""
-        self._state = self._waits = state
+        self._state = state
+        if state.tick % self._every == 0:
+            self._waits = state
         self._serve()
 
     def _serve(self) -> None:
@@ -151,8 +156,6 @@ class HtmpcNode(Node):
         if state is None or (self._lockstep and self._following.pending):
             return
         self._waits = None
-        if state.tick % self._every:
-            return
         self._change_due(state.tick)
         for job in list(self._jobs.values()):
             if job.stage is not Stage.ASKED and state.tick >= job.begin:
@@ -245,7 +248,7 @@ class HtmpcNode(Node):
 
 def main() -> int:
     """Run the HTMPC; returns the exit code."""
-    return run_node(HtmpcNode, BESIDE)
+    return run_node(HtmpcNode)
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ from lexstack_ros.recording import (
     matching_qos,
 )
 from lexstack_ros.recording_options import RecordingOptions
-from lexstack_ros.spin import BESIDE, run_node
+from lexstack_ros.spin import beside, run_node
 
 _DISCOVERY_PERIOD = 0.2  # s
 _FLUSH_PERIOD = 1.0  # s
@@ -40,6 +40,7 @@ class Recorder(Node):
         super().__init__("recorder")
         options = RecordingOptions.of(self)
         resolved = scenario_parameter(self)
+        self.niceness = beside(resolved.scenario.mode)
         expected = contract_topics(resolved.scenario.robots) | options.expected
         self._selection = options.selection
         self._writer = BagWriter(options.output, run_facts(resolved), options.storage)
@@ -170,7 +171,7 @@ class Recorder(Node):
 
 def main() -> int:
     """Run the recorder; returns the exit code."""
-    return run_node(Recorder, BESIDE)
+    return run_node(Recorder)
 
 
 if __name__ == "__main__":

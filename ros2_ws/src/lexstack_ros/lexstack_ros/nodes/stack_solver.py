@@ -54,8 +54,8 @@ class StackSolverNode(Node):
         self._catching_up = CatchingUp(self, team, self._targets.take, self._serve)
         self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
-        realtime = self._resolved.scenario.mode == "realtime"
-        self._states = PlantStates(self, team, self._on_state, self._restart, newest=realtime)
+        newest = int(self._resolved.scenario.mode == "realtime")
+        self._states = PlantStates(self, team, self._on_state, self._restart, newest=newest)
 
     def _on_state(self, state: RobotState) -> None:
         """Solve for a new state, if a stack is asked for."""

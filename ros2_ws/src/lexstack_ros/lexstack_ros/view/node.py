@@ -41,6 +41,7 @@ class ViewNode(Node):
     def __init__(self) -> None:
         """Serve the page; raises LexstackError for a wrong parameter."""
         super().__init__(NAME)
+        self.niceness = LAST
         self._resolved = scenario_parameter(self)
         self._team = team = Team.from_scenario(self._resolved)
         self._state: bytes | None = None
@@ -123,7 +124,7 @@ def _newest(depth: int) -> QoSProfile:
 
 def main() -> int:
     """Run the live page's node; returns the exit code."""
-    return run_node(ViewNode, LAST)
+    return run_node(ViewNode)
 
 
 if __name__ == "__main__":
