@@ -47,6 +47,8 @@ def main() -> None:
             sys.exit("the recorder did not subscribe to everything")
         time.sleep(0.02)
     time.sleep(0.3)  # matching is mutual: the recorder must know of the publishers, too
+    publishers["/robot_b/ee_target"].publish(PoseStamped())
+    time.sleep(0.1)  # best effort: alone
     for tick in range(COUNT):
         state = PlantState(tick=tick, robots=ROBOTS, q=Q, v=Q, q_star=Q, command=Q)
         state.header.stamp.sec, state.header.stamp.nanosec = divmod(tick * 10_000_000, 10**9)
@@ -56,8 +58,6 @@ def main() -> None:
         )
         if tick % 10 == 0:
             publishers["/found/by/itself"].publish(String(data=str(tick)))
-        if tick == 10:
-            publishers["/robot_b/ee_target"].publish(PoseStamped())
         time.sleep(0.0005)
     for publisher in (publishers["/plant/state"], publishers["/robot_a/chi"]):
         publisher.wait_for_all_acked(Duration(seconds=10.0))

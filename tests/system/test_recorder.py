@@ -22,6 +22,7 @@ from lexstack_ros.domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
 COUNT = 1500
+CARELESS = "/found/by/itself"  # best effort: while the machine stalls, messages may be lost
 
 pytestmark = pytest.mark.system
 
@@ -90,7 +91,6 @@ def test_a_signal_leaves_a_complete_bag(recorder, sent, tmp_path, number):
         time.sleep(0.05)
     _, log = recorder.communicate(timeout=20)
     assert recorder.returncode == 0, log
-    assert "0 lost" in log
     assert "Traceback" not in log
 
     with AnyReader([tmp_path / "bag"]) as reader:  # checks the hashes of the types
@@ -100,27 +100,32 @@ def test_a_signal_leaves_a_complete_bag(recorder, sent, tmp_path, number):
             for connection, _, data in reader.messages()
             if connection.topic == "/plant/state"
         ]
+    careless = counts.pop(CARELESS), sent.pop(CARELESS)
+    assert 0 < careless[0] <= careless[1]
     assert {topic: counts[topic] for topic in sent} == sent
     assert ticks == list(range(COUNT))
     with (tmp_path / "bag/bag_0.mcap").open("rb") as stream:
         reader = make_reader(stream, validate_crcs=True)
-        assert sum(1 for _ in reader.iter_messages()) == sum(counts.values())
+        assert sum(1 for _ in reader.iter_messages()) == sum(counts.values()) + careless[0]
         messages = list(reader.iter_messages(["/robot_a/chi"]))
+        numbers = [m.sequence for _, _, m in reader.iter_messages([CARELESS])]
     assert [m.sequence for _, _, m in messages] == list(range(1, COUNT + 1))
     assert all(m.publish_time <= m.log_time for _, _, m in messages)
+    lost = numbers[-1] - numbers[0] + 1 - len(numbers)
+    assert f", {lost} lost" in log, "what is missing is told"
 
     information = yaml.safe_load((tmp_path / "bag/metadata.yaml").read_text())
     information = information["rosbag2_bagfile_information"]
-    assert information["custom_data"] == {"recorder_lost": "0"}
+    assert information["custom_data"] == {"recorder_lost": str(lost)}
     offered = {
         topic["topic_metadata"]["name"]: topic["topic_metadata"]["offered_qos_profiles"][0]
         for topic in information["topics_with_message_count"]
     }
     assert offered["/robot_a/robot_description"]["durability"] == "transient_local"
-    assert offered["/found/by/itself"]["reliability"] == "best_effort"
+    assert offered[CARELESS]["reliability"] == "best_effort"
     # The recorder had asked for reliable before this publisher came.
     assert offered["/robot_b/ee_target"]["reliability"] == "best_effort"
-    assert read_run(tmp_path / "bag").lost == 0
+    assert read_run(tmp_path / "bag").lost == lost
 
 
 def test_a_killed_recorder_leaves_a_readable_bag(recorder, sent, tmp_path):
@@ -129,7 +134,7 @@ def test_a_killed_recorder_leaves_a_readable_bag(recorder, sent, tmp_path):
     recorder.communicate(timeout=20)
     run = read_run(tmp_path / "bag")
     assert not run.complete
-    assert run.lost == 0
+    assert list(run.plant.tick) == list(range(len(run.plant.tick))), "nothing between is missing"
     assert COUNT // 2 < len(run.plant.tick) <= COUNT
 
 
@@ -149,7 +154,7 @@ def test_a_kill_leaves_a_readable_bag_also_split_and_compressed(recorder, sent, 
     assert len(list((tmp_path / "bag").glob("bag_*.mcap"))) > 2
     run = read_run(tmp_path / "bag")
     assert not run.complete
-    assert run.lost == 0
+    assert list(run.plant.tick) == list(range(len(run.plant.tick))), "nothing between is missing"
     assert COUNT // 2 < len(run.plant.tick) <= COUNT
 
 
@@ -158,7 +163,7 @@ def test_a_kill_leaves_a_readable_bag_also_split_and_compressed(recorder, sent, 
     [{"regex": '"state|chi$|found"', "exclude_topics": "/robot_a/chi", "max_bag_duration": 0.2}],
     indirect=True,
 )
-@pytest.mark.parametrize("sent", [["/plant/state", "/found/by/itself"]], indirect=True)
+@pytest.mark.parametrize("sent", [["/plant/state", CARELESS]], indirect=True)
 def test_topics_are_selected_and_files_split_by_time(recorder, sent, tmp_path):
     recorder.send_signal(signal.SIGINT)
     _, log = recorder.communicate(timeout=20)
@@ -166,7 +171,9 @@ def test_topics_are_selected_and_files_split_by_time(recorder, sent, tmp_path):
     with AnyReader([tmp_path / "bag"]) as reader:
         counts = {c.topic: c.msgcount for c in reader.connections}
         seen = sum(1 for _ in reader.messages())
-    assert counts == {topic: sent[topic] for topic in ("/plant/state", "/found/by/itself")}
+    assert counts.keys() == {"/plant/state", CARELESS}
+    assert counts["/plant/state"] == sent["/plant/state"]
+    assert 0 < counts[CARELESS] <= sent[CARELESS]
     assert seen == sum(counts.values())
     information = yaml.safe_load((tmp_path / "bag/metadata.yaml").read_text())
     files = information["rosbag2_bagfile_information"]["files"]
