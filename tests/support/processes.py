@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,9 +16,10 @@ from rclpy.signals import SignalHandlerOptions
 from rosbags.highlevel import AnyReader
 
 from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_ros.bringup import bring_up
+from lexstack_ros.bringup import bring_up, nodes_of
 from lexstack_ros.domain import own_domain
 from lexstack_ros.player import PLAYER, Player
+from lexstack_ros.readiness import is_connected
 from lexstack_ros.supervisor import Supervisor
 from support.scenario import SCENARIO, changed
 
@@ -50,6 +52,11 @@ class Run:
         self.executor = EventsExecutor()
         self.player = Player(resolved, self.executor)
         bring_up(supervisor, out / "scenario.yaml", out / "bag", peers=[PLAYER])
+        # All know the player then; the player learns of the last of them a little later.
+        end = time.monotonic() + 30.0
+        while not is_connected(self.player, nodes_of(resolved.scenario)):
+            assert time.monotonic() < end, "the player does not see all nodes"
+            self.executor.spin_once(timeout_sec=0.05)
 
     def process(self, name: str):
         """Return a child's process."""

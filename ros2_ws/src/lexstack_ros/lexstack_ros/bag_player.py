@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import yaml
+from rclpy.duration import Duration
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -166,6 +167,7 @@ class BagPlayer(Node):
             publisher.publish(self._altered(message))
             played += 1
         self._await(served, expected)
+        self._wait_taken()
         return played
 
     def outcome(self, live: str, run: Run) -> Outcome:
@@ -259,6 +261,19 @@ class BagPlayer(Node):
             present = sum(p.get_subscription_count() for p in self._publishers_by_topic.values())
             if present != listeners:
                 since, listeners = now, present
+
+    def _wait_taken(self) -> None:
+        """Wait until every listener has what was sent: with this node what is on its way is lost.
+
+        A listener that died takes nothing more, so this is for a while only.
+        """
+        end = time.monotonic() + self._patience
+        clock = [] if self._clock is None else [self._clock]
+        for publisher in (*self._publishers_by_topic.values(), *clock):
+            left = max(end - time.monotonic(), 0.0)
+            if not publisher.wait_for_all_acked(Duration(seconds=left)):
+                topic = publisher.topic_name
+                self.get_logger().warning(f"{topic}: not taken by all listeners")
 
     def _spin(self, seconds: float) -> None:
         """Take what comes for some time."""
