@@ -4,7 +4,7 @@ import pytest
 import rclpy
 
 from lexstack_core.errors import ConfigurationError
-from lexstack_ros.spin import begin_ros
+from lexstack_ros.spin import begin_ros, beside
 
 
 @pytest.mark.parametrize(
@@ -21,3 +21,8 @@ def test_wrong_arguments_are_a_configuration_error(arguments, what):
     assert what in str(error.value)
     assert "\n" not in str(error.value)
     assert not rclpy.ok()
+
+
+def test_in_lockstep_nothing_yields_to_the_ticks():
+    """They would run away from an HTMPC that robot A does not wait for."""
+    assert beside("lockstep") == 0 < beside("realtime")
