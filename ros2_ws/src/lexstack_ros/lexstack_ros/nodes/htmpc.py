@@ -241,6 +241,7 @@ class HtmpcNode(Node):
                 **ages,
                 "sequences": str(len(self._jobs)),
                 "failures": str(self._failures),
+                "skipped states": str(self._states.skipped),
                 "refused messages": str(self._states.refused),
             },
         )
