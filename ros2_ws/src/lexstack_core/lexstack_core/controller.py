@@ -12,7 +12,7 @@ from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, blocked, describe
 from lexstack_core.in_force import BoxLaw
 from lexstack_core.linear import Vector
 from lexstack_core.model import Team
-from lexstack_core.references import ReferenceSchedule
+from lexstack_core.references import ReferenceSchedule, measured
 from lexstack_core.state import RobotState
 from lexstack_core.transition.machine import Transition
 from lexstack_core.transition.plan import Means
@@ -35,6 +35,7 @@ class Command:
         fallback: empty, or why it is not the configured solver's: another one's, or A brakes.
         transitions: where the transition of each channel stands, in the order of their robots.
         solve_time: wall time of the whole tick [s].
+        revision: of the references, see ``References``.
     """
 
     tick: int
@@ -46,6 +47,7 @@ class Command:
     fallback: str
     transitions: tuple[TransitionState, ...]
     solve_time: float
+    revision: int = 0
 
     @property
     def transition(self) -> TransitionState:
@@ -81,6 +83,7 @@ class Controller:
         The same states, requests, targets and samples give the same commands, bit for bit.
         """
         begun = perf_counter()
+        self.prepare(state)
         kinematics = self._team.kinematics(state)
         wanted, jerk = self.transition.limits(state.tick)
         limits, bounds = self._box.at(state, wanted, self._sent, jerk=jerk)
@@ -92,7 +95,8 @@ class Controller:
             limits=limits,
             dt=self._box.dt,
         )
-        plans = self.transition.step(kinematics, self.references.at(state.stamp), means)
+        references = self.references.at(state.stamp)
+        plans = self.transition.step(kinematics, references, means)
         bounds = self._bounds = plans.problem.bounds
         solution = self._solver.solve(plans.problem, self._warm)
         chi, fallback = checked(solution, bounds)
@@ -111,7 +115,21 @@ class Controller:
             fallback,
             told,
             perf_counter() - begun,
+            references.revision,
         )
+
+    def prepare(self, state: RobotState) -> None:
+        """Decide the references of a state's tick, unless that is done.
+
+        The first ones are the measured poses where the scenario gives none.
+        """
+        if not self.references.begun:
+            self.references.begin(measured(self._team, state.q))
+        self.references.decide(state.stamp)
+
+    def awaits(self, state: RobotState) -> bool:
+        """Return whether a source's chi of this tick is still to come (lockstep)."""
+        return self.transition.awaits(state.tick)
 
     def obstructed(self) -> str:
         """Return which levels of the last tick a joint's bound keeps from being met, or ''.

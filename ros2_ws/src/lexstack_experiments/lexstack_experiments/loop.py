@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from lexstack_core.build import Parts, build_controller, build_references, build_stack_solver
+from lexstack_core.build import Parts, build_controller, build_stack_solver
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.config.scenario import EventConfig
 from lexstack_core.controller import Command, Controller
@@ -74,7 +74,8 @@ class Loop:
         self.parts = parts or Parts.of(resolved)
         self.plant: AnyPlant = plant or Plant(resolved, self.parts.team, resolved.scenario.seed)
         self.controller = controller or build_controller(resolved, self.parts)
-        self.references_b = build_references(resolved, self.parts.team)
+        # Robot B goes by robot A's decisions; another schedule shows what happens if it does not.
+        self.references_b = self.controller.references
         self.solver_b = build_stack_solver(resolved, self.parts)
         self.schedule = SourceSchedule()
         self._seen_by_b: Kinematics | None = None
@@ -99,6 +100,7 @@ class Loop:
         state = self.plant.state()
         for announcement in self.controller.transition.take_announcements():
             self.schedule.hear(announcement)
+        self.controller.prepare(state)
         references = self.references_b.at(state.stamp)
         wanted = self.schedule.current(state.tick)
         if wanted and self.b_answers(state.tick):
@@ -115,10 +117,11 @@ class Loop:
         return command
 
     def add_target(self, target: Target) -> None:
-        """Give a new reference to both robots, as a message would."""
+        """Give a new reference to both controllers, as a message would."""
         self.record.targets.append(target)
         self.controller.references.add(target)
-        self.references_b.add(target)
+        if self.references_b is not self.controller.references:
+            self.references_b.add(target)
 
     def _ask_b(
         self, wanted: Announcement, state: RobotState, references: References

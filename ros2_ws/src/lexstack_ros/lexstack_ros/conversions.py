@@ -135,6 +135,7 @@ def chi_of_command(command: Command, message: Chi) -> Chi:
     message.tick = command.tick
     message.stack = command.stack
     message.transition_id = max(state.id for state in command.transitions)
+    message.references = command.revision
     message.chi = to_array(command.chi)
     message.lower = to_array(command.bounds.lower)
     message.upper = to_array(command.bounds.upper)

@@ -1,7 +1,8 @@
-"""The targets of all robots, by topic: what robot A and robot B both listen to."""
+"""References by topic: robot A takes targets and decides; others hear its decisions."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from functools import partial
 
@@ -11,17 +12,31 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from lexstack_core.errors import InputError
+from lexstack_core.linear import Vector
 from lexstack_core.model import Pose, Team
-from lexstack_core.references import References, ReferenceSchedule
+from lexstack_core.references import ReferenceSchedule, ReferenceTimeline, SetPoint, Setting
 from lexstack_core.rotation import from_rpy, to_quaternion
+from lexstack_core.state import RobotState
+from lexstack_interfaces.msg import References
 from lexstack_ros.conversions import pose_message, to_base_target, to_ee_target
 from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.reference_conversions import references_message, to_setting
+
+DECISIONS = "/robot_a/references"
+KEPT = "/robot_b/references"
+"""What robot B has heard of them, for a robot A that starts again."""
 
 _KINDS = {"ee_target": to_ee_target, "base_target": to_base_target}
+_PATIENCE = 1.0  # s of wall time, for what robot B keeps
 
 
 class TargetTopics:
-    """Subscriptions to /NAME/ee_target and /NAME/base_target of every robot."""
+    """Subscriptions to /NAME/ee_target and /NAME/base_target of every robot.
+
+    Attributes:
+        schedule: takes every valid target.
+        refused: how many were not valid.
+    """
 
     def __init__(self, node: Node, team: Team, schedule: ReferenceSchedule) -> None:
         """Put every valid target into ``schedule``; warn of the others."""
@@ -32,27 +47,107 @@ class TargetTopics:
             for kind in _KINDS:
                 topic = f"/{name}/{kind}"
                 node.create_subscription(
-                    PoseStamped, topic, partial(self.take, kind, robot, topic), STREAM
+                    PoseStamped, topic, partial(self._take, kind, robot, topic), STREAM
                 )
 
-    def take(self, kind: str, robot: int, topic: str, message: PoseStamped) -> None:
+    def _take(self, kind: str, robot: int, topic: str, message: PoseStamped) -> None:
         """Take one target; a stamp of the past means now."""
         try:
             self.schedule.add(_KINDS[kind](message, robot, topic))
         except InputError as error:
             self.refused += 1
-            self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
+            text = str(error).removeprefix(f"{kind}: ")
+            line = text if text.startswith(topic) else f"{topic}: {text}"
+            self._node.get_logger().warning(f"refused: {line}", throttle_duration_sec=1.0)
 
 
-class ReferencesInEffect:
-    """/NAME/ee_reference and /NAME/base_reference, latched: what robot A goes by now.
+class HeardReferences:
+    """The decisions that a topic carries.
 
-    For whoever comes later: a target is sent once, and a robot B that starts again has missed it.
+    Attributes:
+        timeline: of the newest sender.
+        refused: messages that did not fit.
     """
+
+    def __init__(
+        self,
+        node: Node,
+        team: Team,
+        topic: str = DECISIONS,
+        on_news: Callable[[References], None] = lambda _message: None,
+    ) -> None:
+        """Listen; ``on_news`` is called after each new decision."""
+        self.timeline = ReferenceTimeline()
+        self.refused = 0
+        self._node = node
+        self._team = team
+        self._topic = topic
+        self._on_news = on_news
+        self._sender = ""
+        node.create_subscription(References, topic, self._hear, LATCHED)
+
+    def _hear(self, message: References) -> None:
+        """Take a decision; another sender begins anew."""
+        try:
+            setting = to_setting(message, self._team, self._topic)
+        except InputError as error:
+            self.refused += 1
+            self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
+            return
+        if message.sender != self._sender:
+            self._sender, self.timeline = message.sender, ReferenceTimeline()
+        if self.timeline.hear(setting):
+            self._on_news(message)
+
+
+class Decisions:
+    """Robot A's decisions on references: made one tick ahead, and told before the plant goes on."""
+
+    def __init__(self, node: Node, team: Team, schedule: ReferenceSchedule, sender: str) -> None:
+        """Create the publishers; ``sender`` names this process."""
+        self.schedule = schedule
+        self._node = node
+        self._team = team
+        self._sender = sender
+        self._out = node.create_publisher(References, DECISIONS, LATCHED)
+        self._goals = _Goals(node, team)
+        self._kept = HeardReferences(node, team, KEPT)
+        self._asked_since: float | None = None
+
+    def restart(self, schedule: ReferenceSchedule) -> None:
+        """Decide for another schedule from now on; revisions count on."""
+        schedule.count_on(self.schedule)
+        self.schedule = schedule
+
+    def known(self, state: RobotState, late: int) -> bool:
+        """Return whether the first references can be decided for a state.
+
+        A robot A that starts again, at a tick after ``late``, goes on with what robot B has kept;
+        it waits for it a moment where there is a robot B.
+        """
+        if self.schedule.begun or state.tick <= late:
+            return True
+        last = self._kept.timeline.newest
+        if last is not None:
+            self.schedule.resume(last, state.stamp)
+            return True
+        now = time.monotonic()
+        self._asked_since = self._asked_since or now
+        return now - self._asked_since > _PATIENCE or not self._node.count_publishers(KEPT)
+
+    def tell(self) -> None:
+        """Publish what was decided since the last call."""
+        for setting in self.schedule.take_news():
+            self._out.publish(references_message(setting, self._team, self._sender))
+            self._goals.tell(setting)
+
+
+class _Goals:
+    """/NAME/ee_reference and /NAME/base_reference, latched: the goals in effect, for tools."""
 
     def __init__(self, node: Node, team: Team) -> None:
         """Create the publishers."""
-        self._told: References | None = None
+        self._told: Setting | None = None
         self._ee: list[Publisher] = []
         self._base: list[Publisher] = []
         for name in team.names:
@@ -61,79 +156,23 @@ class ReferencesInEffect:
             self._ee.append(ee)
             self._base.append(base)
 
-    def tell(self, references: References, stamp: float) -> None:
-        """Publish what has changed since the last call, at a time [s]."""
-        before = self._told
-        if references is before:
-            return
-        self._told = references
-        for robot, ee in enumerate(references.ee):
+    def tell(self, setting: Setting) -> None:
+        """Publish the goals that have changed."""
+        before, self._told = self._told, setting
+        for robot, (out, ee) in enumerate(zip(self._ee, setting.ee, strict=True)):
             if before is None or ee is not before.ee[robot]:
-                self._publish(self._ee[robot], ee, stamp)
-        for robot, base in enumerate(references.base):
+                self._publish(out, ee, setting.at)
+        for robot, (out, base) in enumerate(zip(self._base, setting.base, strict=True)):
             if before is None or base is not before.base[robot]:
-                x, y, yaw = (float(value) for value in base)
-                pose = Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))
-                self._publish(self._base[robot], pose, stamp)
+                self._publish(out, SetPoint(_upright(base.goal)), setting.at)
 
     @staticmethod
-    def _publish(out: Publisher, pose: Pose, stamp: float) -> None:
-        """Publish one reference."""
-        out.publish(pose_message(pose, stamp, to_quaternion(pose.rotation)))
+    def _publish(out: Publisher, point: SetPoint[Pose], stamp: float) -> None:
+        """Publish one goal."""
+        out.publish(pose_message(point.goal, stamp, to_quaternion(point.goal.rotation)))
 
 
-class CatchingUp:
-    """What a node that comes late takes from them; one that was there from the start nothing."""
-
-    def __init__(
-        self,
-        node: Node,
-        team: Team,
-        take: Callable[[str, int, str, PoseStamped], None],
-        on_all: Callable[[], None],
-    ) -> None:
-        """Listen.
-
-        Args:
-            node: that may come late.
-            team: the robots.
-            take: puts a target into the schedule, see TargetTopics.
-            on_all: called when the last missing reference has come.
-        """
-        self._take = take
-        self._on_all = on_all
-        self._late: bool | None = None
-        self._waiting: list[tuple[str, int, str, PoseStamped]] = []
-        self._missing: set[str] = set()  # topics that were not heard yet
-        for robot, name in enumerate(team.names):
-            for kind, topic in (
-                ("ee_target", f"/{name}/ee_reference"),
-                ("base_target", f"/{name}/base_reference"),
-            ):
-                self._missing.add(topic)
-                hear = partial(self._hear, kind, robot, topic)
-                node.create_subscription(PoseStamped, topic, hear, LATCHED)
-
-    @property
-    def complete(self) -> bool:
-        """Whether all references are known: topics are connected one by one."""
-        return not (self._late and self._missing)
-
-    def join(self, tick: int) -> None:
-        """Take note of the first state: a later one than the plant's first is late."""
-        if self._late is None:
-            self._late = tick > 0
-            waiting, self._waiting = self._waiting, []
-            for entry in waiting if self._late else ():
-                self._take(*entry)
-
-    def _hear(self, kind: str, robot: int, topic: str, message: PoseStamped) -> None:
-        """Keep a reference until it is known whether it is needed, or take it."""
-        incomplete = not self.complete
-        self._missing.discard(topic)
-        if self._late is None:
-            self._waiting.append((kind, robot, topic, message))
-        elif self._late:
-            self._take(kind, robot, topic, message)
-            if incomplete and self.complete:
-                self._on_all()
+def _upright(base: Vector) -> Pose:
+    """Return x, y, yaw as a pose on the floor."""
+    x, y, yaw = (float(value) for value in base)
+    return Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))

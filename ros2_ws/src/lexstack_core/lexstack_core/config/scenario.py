@@ -103,6 +103,7 @@ class TimeoutsConfig:
     plan_stale: float = 0.25  # s of simulated time after which a plan is stale (realtime)
     command_wall: float = 2.0  # s of wall time that the bridge waits for a command (lockstep)
     watchdog: float = 0.1  # s of simulated time without a command after which the bases brake
+    target_horizon: float = 60.0  # s of simulated time that a target's stamp may be ahead
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a timeout that is not positive."""
@@ -114,6 +115,7 @@ class TimeoutsConfig:
             plan_stale=self.plan_stale,
             command_wall=self.command_wall,
             watchdog=self.watchdog,
+            target_horizon=self.target_horizon,
         )
 
 
@@ -168,6 +170,7 @@ class ScenarioConfig:
     obstacles: dict[str, ObstacleConfig] = field(default_factory=dict)  # by name
     plant: PlantConfig = field(default_factory=PlantConfig)  # default: as its model says
     timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)
+    lead_in: float = 0.5  # s, in which a reference moves to a new target; 0: it steps
     limit_jerk: bool = False  # at every tick, not only in transitions by bridge_jerk
     htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)
     sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
@@ -186,6 +189,7 @@ class ScenarioConfig:
         names(where, name=self.name)
         names(where, ros=True, robots=self.robots)
         positive(where, rate=self.rate, duration=self.duration)
+        not_negative(where, lead_in=self.lead_in)
         at_most(where, _FASTEST, rate=self.rate)
         at_most(where, _LONGEST, duration=self.duration)
         self._check_counts(where)

@@ -25,13 +25,14 @@ from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.plan_conversions import PLAN, to_plan
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import STREAM
-from lexstack_ros.references import ReferencesInEffect, TargetTopics
+from lexstack_ros.references import Decisions, TargetTopics
 from lexstack_ros.requests import Requests
 from lexstack_ros.senders import AlreadyCommandedError, sender_name
 from lexstack_ros.spin import run_node
 from lexstack_ros.waiting import waiting
 from lexstack_ros.watch import Watch
 
+_LATE_START = 1.0  # s of simulated time: whoever comes later has been there before, or should have
 _LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
 
 
@@ -61,7 +62,10 @@ class HqpControllerNode(Node):
         self._chi_out = self.create_publisher(Chi, "/robot_a/chi", STREAM)
         self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
         self._targets = TargetTopics(self, self._parts.team, self._controller.references)
-        self._in_effect = ReferencesInEffect(self, self._parts.team)
+        self._decisions = Decisions(
+            self, self._parts.team, self._controller.references, self._chi.sender
+        )
+        self._late_start = round(_LATE_START * self._resolved.scenario.rate)
         self._source = self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
         self.create_subscription(JointTrajectory, PLAN, self._on_plan, STREAM)
         self._requests = Requests(
@@ -87,6 +91,12 @@ class HqpControllerNode(Node):
         away = self._journal.arrive(state.tick)
         if away:
             self._controller.transition.note(away)
+        if not self._decisions.known(state, self._late_start):
+            return
+        # A tick's references are decided when its state comes, if not before: what comes while A
+        # waits for the source would reach the two at different ticks.
+        self._controller.prepare(state)
+        self._decisions.tell()
         self._state = state
         self._deadline = time.monotonic() + self._patience
         self._serve(wait=True)
@@ -126,16 +136,17 @@ class HqpControllerNode(Node):
     def _serve(self, *, wait: bool) -> None:
         """Send the command for the state at hand, unless it must wait for the source."""
         state = self._state
-        if state is None or (wait and self._controller.transition.awaits(state.tick)):
+        if state is None or (wait and self._controller.awaits(state)):
             return
         self._state = None
         command = self._controller.tick(state)
+        self._controller.references.decide(state.stamp + self._parts.dt)
+        self._decisions.tell()
         # Before the command, which lets the plant go on: the source shall know at the next state.
         self._requests.announce(state.stamp)
         self._chi_out.publish(chi_of_command(command, self._chi))
         for transition in command.transitions:
             self._status_out.publish(transition_status(command, transition, self._status))
-        self._in_effect.tell(self._controller.references.at(state.stamp), state.stamp)
         self._journal.see(command.transitions)
         self._served = state.tick
         self._meter.add(command.solve_time)
@@ -149,6 +160,7 @@ class HqpControllerNode(Node):
         """Begin anew after a reset of the plant."""
         self._controller = build_controller(self._resolved, self._parts)
         self._targets.schedule = self._controller.references
+        self._decisions.restart(self._controller.references)
         self._requests.restart(self._controller.transition)
         self._journal.begin_anew()
 

@@ -8,19 +8,19 @@ from time import perf_counter
 import numpy as np
 from rclpy.node import Node
 
-from lexstack_core.build import Parts, build_references, build_stack_solver
+from lexstack_core.build import Parts, build_stack_solver
 from lexstack_core.errors import InputError
 from lexstack_core.model import Kinematics
 from lexstack_core.stack_solver import share
 from lexstack_core.state import RobotState
 from lexstack_core.transition.status import Announcement, SourceSchedule
-from lexstack_interfaces.msg import Chi, StackRequest
-from lexstack_ros.conversions import WORLD, to_announcement, to_array, to_time
+from lexstack_interfaces.msg import Chi, References, StackRequest
+from lexstack_ros.conversions import WORLD, to_announcement, to_array, to_seconds, to_time
 from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.parameters import count_parameter, scenario_parameter
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import LATCHED, STREAM
-from lexstack_ros.references import CatchingUp, TargetTopics
+from lexstack_ros.references import KEPT, HeardReferences
 from lexstack_ros.senders import sender_name
 from lexstack_ros.spin import run_node
 
@@ -50,8 +50,8 @@ class StackSolverNode(Node):
         self._chi.header.frame_id = WORLD
         self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
         team = self._parts.team
-        self._targets = TargetTopics(self, team, build_references(self._resolved, team))
-        self._catching_up = CatchingUp(self, team, self._targets.take, self._serve)
+        self._references = HeardReferences(self, team, on_news=self._on_references)
+        self._kept = self.create_publisher(References, KEPT, LATCHED) if number == 1 else None
         self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
         newest = int(self._resolved.scenario.mode == "realtime")
@@ -59,9 +59,17 @@ class StackSolverNode(Node):
 
     def _on_state(self, state: RobotState) -> None:
         """Solve for a new state, if a stack is asked for."""
-        self._catching_up.join(state.tick)
         self._state = state
         self._serve()
+
+    def _on_references(self, message: References) -> None:
+        """Keep robot A's decision for it; solve again what it changes of the present tick."""
+        if self._kept is not None:
+            self._kept.publish(message)
+        state = self._state
+        if state is not None and to_seconds(message.header.stamp) <= state.stamp:
+            self._served = (state.tick, set())
+            self._serve()
 
     def _on_request(self, message: StackRequest) -> None:
         """Take robot A's wish, and serve it for the present state if that is due."""
@@ -78,10 +86,10 @@ class StackSolverNode(Node):
     def _serve(self) -> None:
         """Send the optimum of each stack that is asked for, once per state and request.
 
-        Not before all references are known: towards others the robots would move.
+        Not before the references are known: towards others the robots would move.
         """
         state = self._state
-        if state is None or not self._catching_up.complete:
+        if state is None or not self._references.timeline.covers(state.stamp):
             return
         if self._served[0] != state.tick:
             self._served = (state.tick, set())
@@ -99,7 +107,7 @@ class StackSolverNode(Node):
         self, wanted: Announcement, state: RobotState, kinematics: Kinematics, begun: float
     ) -> None:
         """Solve one stack for a state, and send its optimum; ``begun``: when its work began [s]."""
-        references = self._targets.schedule.at(state.stamp)
+        references = self._references.timeline.at(state.stamp)
         stack, team = self._mine[wanted.stack], self._parts.team
         assert stack is not None
         solution = self._solver.solve(stack, kinematics, references)
@@ -107,6 +115,7 @@ class StackSolverNode(Node):
         solve_time = perf_counter() - begun
         chi = self._chi
         _head(chi, state, wanted)
+        chi.references = references.revision
         vectors = solution.chi, bounds.lower, bounds.upper
         if self._resolved.scenario.solvers > 1:
             robots = range(len(team.robots)) if stack.robots is None else stack.robots
@@ -128,7 +137,6 @@ class StackSolverNode(Node):
     def _restart(self) -> None:
         """Begin anew after a reset of the plant."""
         self._solver = build_stack_solver(self._resolved, self._parts)
-        self._targets.schedule = build_references(self._resolved, self._parts.team)
         self._schedule = SourceSchedule()
         self._state = None
         self._served = (-1, set())
@@ -144,7 +152,7 @@ class StackSolverNode(Node):
                 "tick": str(self._served[0]),
                 "failures": str(self._failures),
                 "skipped states": str(self._states.skipped),
-                "refused messages": str(self._states.refused + self._targets.refused),
+                "refused messages": str(self._states.refused + self._references.refused),
             },
         )
 

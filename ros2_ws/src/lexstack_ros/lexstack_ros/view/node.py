@@ -15,14 +15,14 @@ from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
-from lexstack_core.build import build_references
 from lexstack_core.errors import InputError
 from lexstack_core.model import Team
+from lexstack_core.references import References, measured
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.conversions import to_seconds, to_vector
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.readiness import READY
-from lexstack_ros.references import TargetTopics
+from lexstack_ros.references import HeardReferences
 from lexstack_ros.spin import LAST, run_node
 from lexstack_ros.view.actions import Actions
 from lexstack_ros.view.hub import Hub
@@ -49,7 +49,7 @@ class ViewNode(Node):
         # Of two ticks, and of every robot at most one at a tick.
         most = 2 * len(team.names)
         self._statuses: deque[bytes] = deque(maxlen=most)
-        self._targets = TargetTopics(self, team, build_references(self._resolved, team))
+        self._references = HeardReferences(self, team)
         self._shown_at = 0.0
         self._hub = Hub()
         read = partial(read_order, robots=team.names, stacks=tuple(sorted(self._resolved.stacks)))
@@ -62,7 +62,7 @@ class ViewNode(Node):
         self.create_subscription(
             TransitionStatus, "/robot_a/transition", self._hear_status, many, raw=True
         )
-        self._actions = Actions(self, team, lambda: self._targets.schedule.at(self._shown_at))
+        self._actions = Actions(self, team, self._in_effect)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_PERIOD, self._look, clock=wall)
         print(f"{URL}{self._server.url}\n{READY}", flush=True)
@@ -98,12 +98,16 @@ class ViewNode(Node):
         except InputError:
             return
         now = to_seconds(state.header.stamp)
-        if now < self._shown_at:  # the plant was reset
-            self._targets.schedule = build_references(self._resolved, self._team)
         self._shown_at = now
         chi = {name: deserialize_message(data, Chi) for name, data in sorted(self._chi.items())}
-        references = self._targets.schedule.at(now)
-        self._hub.publish(news(self._team, state, self._transitions(), chi, references))
+        self._hub.publish(news(self._team, state, self._transitions(), chi, self._in_effect()))
+
+    def _in_effect(self) -> References:
+        """Return the references in effect; before robot A decides any, where the robots start."""
+        timeline = self._references.timeline
+        if timeline.newest is None:
+            return measured(self._team, self._team.home(self._resolved))
+        return timeline.at(self._shown_at)
 
     def _transitions(self) -> list[TransitionStatus]:
         """Return the statuses of the last tick that is whole: those of one tick come one by one."""
