@@ -26,7 +26,7 @@ T = TypeVar("T", PlantStream, ChiStream, TransitionStream, PlanStream, ProgressS
 
 Keep = Literal["first", "last", "all"]
 
-_SINCE: dict[str, Any] = {"robots": ()}
+_SINCE: dict[str, Any] = {"robots": (), "references": 0}
 """Fields that messages of older bags do not have, and what stands for them."""
 
 

@@ -29,16 +29,21 @@ from lexstack_bag.run import (
 )
 from lexstack_bag.writer import CLOSING_RECORD, SCENARIO_RECORD
 from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.errors import ConfigurationError
+from lexstack_core.errors import ConfigurationError, InputError
 from lexstack_core.model import Team
+from lexstack_core.references import WIDTHS, Setting, decode
 
 PLANT_STATE = "/plant/state"
 COMMAND = "/robot_a/chi"
 CONTROLLERS = ("robot_a", "robot_b")  # whatever the robots are called
 TRANSITION = "/robot_a/transition"
 REQUEST = "/robot_a/stack_request"
+DECISIONS = "/robot_a/references"
 NEEDED = (PLANT_STATE, COMMAND, TRANSITION)
 """Topics without which there is nothing to analyse."""
+
+_SINCE = {"lead_in": 0.0}
+"""Keys that older bags do not have, and what stands for them: their targets stepped."""
 
 _TARGETS = {"ee_target": "ee", "base_target": "base"}
 
@@ -70,7 +75,7 @@ def read_facts(container: Container) -> tuple[dict[str, str], ResolvedScenario]:
     if "scenario" not in facts:
         raise BagError(f"{path}: not a lexstack bag (no Metadata record {SCENARIO_RECORD!r})")
     try:
-        resolved = ResolvedScenario.from_yaml(facts.pop("scenario"), f"{path}: scenario")
+        resolved = ResolvedScenario.from_yaml(facts.pop("scenario"), f"{path}: scenario", _SINCE)
     except ConfigurationError as error:
         raise BagError(str(error)) from error
     return facts, resolved
@@ -109,6 +114,7 @@ class _Collector:
         scenario = resolved.scenario
         self._planning = PlanningCollector(scenario.robots, scenario.rate, plans=plans)
         self._targets: list[Target] = []
+        self._settings: list[Setting] = []
         self._requested: list[tuple[int, Any]] = []  # time of sending [ns], message
         self._commanded: tuple[array[int], array[int]] = array("q"), array("q")  # time, tick
         self._decode = Decoder()
@@ -133,6 +139,8 @@ class _Collector:
                 self._commanded[1].append(chi.tick)
         elif topic == TRANSITION:
             self._transition.add(self._decode(message))
+        elif topic == DECISIONS:
+            self._add_setting(message)
         elif topic == REQUEST:
             self._requested.append((message.publish_time, self._decode(message)))
         elif not self._planning.add(topic, partial(self._decode, message), message.publish_time):
@@ -158,6 +166,7 @@ class _Collector:
             self._requests(),
             {node: replaced for node, (_, replaced) in chi.items()},
             self._planning.build(),
+            tuple(self._settings),
         )
 
     def _begin_anew(self) -> None:
@@ -167,6 +176,20 @@ class _Collector:
         self._planning.begin_anew()
         for builder in self._chi.values():
             builder.begin_anew()
+
+    def _add_setting(self, message: RawMessage) -> None:
+        """Take a decision on references; one for an earlier time follows a reset of the plant."""
+        value = self._decode(message)
+        vectors = {name: getattr(value, name) for name in WIDTHS}
+        robots = len(self._resolved.scenario.robots)
+        try:
+            at = seconds(value.header.stamp)
+            setting = decode(at, value.revision, vectors, robots, DECISIONS)
+        except InputError as error:
+            raise BagError(str(error)) from error
+        if self._settings and setting.at < self._settings[-1].at:
+            self._settings.clear()
+        self._settings.append(setting)
 
     def _add_target(self, message: RawMessage) -> None:
         """Take a reference: it holds from its stamp on, or at once if that has passed."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from lexstack_bag.run import Run, Target
 from lexstack_core.model import Pose, Team
-from lexstack_core.references import References, ReferenceSchedule
+from lexstack_core.references import ROUNDING, References, ReferenceSchedule
 from lexstack_core.references import Target as ScheduledTarget
 from lexstack_core.rotation import from_quaternion
 
@@ -28,16 +28,34 @@ def is_usable(target: Target) -> bool:
 
 
 def references_in_effect(run: Run, team: Team) -> tuple[References, ...]:
-    """Return the references at every tick of the plant: the scenario's, then what was published.
+    """Return the goals at every tick of the plant: what robot A decided, in older bags the targets.
 
-    Robot A may put a change off by the few ticks until robot B answers; that is not seen here.
+    A set-point that is led in counts as its goal. Robot A may put a change off by the few ticks
+    until robot B answers; that is not seen here.
     """
+    if run.settings:
+        return _goals(run)
     home = team.home(run.resolved)
     schedule = ReferenceSchedule.from_scenario(run.resolved.scenario, team, home)
     for target in run.targets:
         if target.robot in team.names:
             schedule.add(scheduled(target, team))
     return tuple(schedule.at(float(stamp)) for stamp in run.plant.stamp)
+
+
+def _goals(run: Run) -> tuple[References, ...]:
+    """Return the goals of the decision in effect at every tick, one object for each decision."""
+    decided = [
+        References(
+            tuple(point.goal for point in setting.ee),
+            tuple(point.goal for point in setting.base),
+            setting.revision,
+        )
+        for setting in run.settings
+    ]
+    starts = np.array([setting.at for setting in run.settings])
+    places = np.searchsorted(starts, run.plant.stamp + ROUNDING, side="right") - 1
+    return tuple(decided[max(place, 0)] for place in places)
 
 
 def scheduled(target: Target, team: Team) -> ScheduledTarget:

@@ -19,6 +19,7 @@ from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.htmpc import SequenceTask
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
+from lexstack_core.references import Setting
 
 Integers = NDArray[np.int64]
 Strings = NDArray[Any]  # of str, equal texts are one object
@@ -83,6 +84,8 @@ class ChiStream:
     reason: Strings  # (T,)
     # ns since 1970, by the sender's clock; empty: not known
     sent: Integers = field(default_factory=lambda: read_only(np.zeros(0, np.int64)))  # (T,)
+    # revision of the references that each row was solved for; 0: not known
+    references: Integers = field(default_factory=lambda: read_only(np.zeros(0, np.int64)))  # (T,)
     # names of the robots that each row is about, with a space between
     robots: Names = field(default_factory=lambda: read_only(np.zeros(0, np.str_)))  # (T,)
 
@@ -201,6 +204,7 @@ class Run:
     # as ``chi``, in the order of arrival: what another message of the same tick followed
     replaced: dict[str, ChiStream] = field(default_factory=dict)
     planning: dict[str, Planning] = field(default_factory=dict)  # by robot, of those with plans
+    settings: tuple[Setting, ...] = ()  # robot A's decisions on references; older bags have none
 
     @property
     def period(self) -> float:

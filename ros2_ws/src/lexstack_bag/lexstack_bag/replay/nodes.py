@@ -15,13 +15,14 @@ import numpy as np
 
 from lexstack_bag.measures import COMMANDER
 from lexstack_bag.parts import robots_of
+from lexstack_bag.replay.decisions import Decisions
 from lexstack_bag.replay.outcome import Outcome, joints_of
 from lexstack_bag.replay.planner import PLANNER, heard_plans, replay_planner
 from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.requests import Ask, Cancel, requests_of
-from lexstack_bag.replay.source import SOLVER, LiveSource, RecordedSource, Source, first_references
-from lexstack_bag.replay.states import EVER, States, all_of, begun_at, targets_of
-from lexstack_bag.run import Run
+from lexstack_bag.replay.source import SOLVER, LiveSource, RecordedSource, Source
+from lexstack_bag.replay.states import EVER, States, all_of, begun_at
+from lexstack_bag.run import ChiStream, Run
 from lexstack_core.build import Parts, build_controller, build_stack_solver
 from lexstack_core.controller import Controller
 from lexstack_core.linear import Matrix, Vector
@@ -36,24 +37,27 @@ def replay_solver(question: Question) -> Outcome:
     run = question.run
     parts = Parts.of(question.resolved)
     solver = build_stack_solver(question.resolved, parts)
-    references = first_references(question, parts)
     states, chi = States(run), all_of(run, SOLVER)
-    targets, begun = targets_of(run, parts.team), begun_at(chi)
+    decisions, begun = Decisions(question, parts.team), begun_at(chi)
     rows = [row for row, tick in enumerate(chi.tick) if int(tick) in states]
     replayed = np.full((len(rows), parts.team.n), np.nan)
     old, new = question.changes.stacks(question.resolved)
     for place, row in enumerate(rows):
-        for target in targets.until(int(begun[row])):
-            references.add(target)
         state, stack = states[int(chi.tick[row])], str(chi.stack[row])
         stack = new if new and old in ("", stack) else stack
         asked, mine = _asked(parts, stack, str(chi.robots[row]))
-        answer = solver.solve(asked, parts.team.kinematics(state), references.at(state.stamp))
+        references = decisions.at(state, int(begun[row]), _revision(chi, row))
+        answer = solver.solve(asked, parts.team.kinematics(state), references)
         if answer.chi.shape == replayed[place].shape:
             replayed[place, mine] = answer.chi[mine]
         question.progress((place + 1) / len(rows))
     joints = joints_of(parts.team)
     return Outcome(SOLVER, joints, chi.tick[rows], chi.stamp[rows], chi.chi[rows], replayed)
+
+
+def _revision(chi: ChiStream, row: int) -> int:
+    """Return the revision of the references that a row was solved for; 0: not known."""
+    return int(chi.references[row]) if len(chi.references) else 0
 
 
 def _asked(parts: Parts, stack: str, names: str) -> tuple[Stack, Columns]:
@@ -76,7 +80,8 @@ def replay_controller(question: Question) -> Outcome:
     controller = build_controller(question.resolved, parts)
     states = States(run)
     ticks = states.between(int(chi.tick[0]), int(chi.tick[-1])) if len(chi.tick) else []
-    targets, plans = targets_of(run, parts.team), heard_plans(run, parts.team)
+    decisions = Decisions(question, parts.team, controller.references)
+    plans = heard_plans(run, parts.team)
     begun = dict(zip(chi.tick.tolist(), begun_at(chi).tolist(), strict=True))
     user = _User(requests_of(run, question.changes, question.resolved))
     source = LiveSource(question, parts) if question.changes else RecordedSource(run, parts.team)
@@ -88,9 +93,7 @@ def replay_controller(question: Question) -> Outcome:
             state = replace(state, command=sent)
         now = begun.get(tick, EVER)
         user.speak(controller, source, tick)
-        for target in targets.until(now):
-            controller.references.add(target)
-            source.references.add(target)
+        decisions.take(state, now)
         for plan in plans.until(now):
             controller.transition.hear_plan(plan)
         source.answer(controller, state, now)

@@ -11,10 +11,9 @@ from lexstack_bag.parts import robots_of
 from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.states import Arrivals, all_of
 from lexstack_bag.run import ChiStream, Run, SolveStatus
-from lexstack_core.build import Parts, build_references, build_stack_solver
+from lexstack_core.build import Parts, build_stack_solver
 from lexstack_core.controller import Controller
 from lexstack_core.model import Team
-from lexstack_core.references import ReferenceSchedule, Target
 from lexstack_core.state import RobotState
 from lexstack_core.transition.status import Announcement, SourceSample, SourceSchedule
 
@@ -25,22 +24,12 @@ SOLVER = "robot_b"
 class Source(Protocol):
     """Robot B, as the replayed A meets it."""
 
-    references: _Listener
-
     def hear(self, announcements: Iterable[Announcement]) -> None:
         """Take what A tells it."""
         ...
 
     def answer(self, controller: Controller, state: RobotState, now: int) -> None:
         """Let A hear what it knows when it begins a tick, at a time [ns]."""
-        ...
-
-
-class _Listener(Protocol):
-    """Takes references."""
-
-    def add(self, target: Target) -> None:
-        """Take one."""
         ...
 
 
@@ -51,7 +40,6 @@ class RecordedSource:
         """Take them from a run."""
         samples = _samples(all_of(run, SOLVER), team)
         self._samples = Arrivals(list(samples))
-        self.references: _Listener = _Nobody()
 
     def hear(self, announcements: Iterable[Announcement]) -> None:
         """Do nothing: what B answered is known."""
@@ -68,13 +56,6 @@ def _slack(chi: ChiStream, row: int) -> float | None:
     return float(chi.slacks[row, 0]) if known else None
 
 
-class _Nobody:
-    """Needs no references."""
-
-    def add(self, target: Target) -> None:
-        """Do nothing."""
-
-
 class LiveSource:
     """Robot B, solving again what the replayed A asks for."""
 
@@ -84,7 +65,6 @@ class LiveSource:
         self._stacks = parts.stacks
         self._solver = build_stack_solver(question.resolved, parts)
         self._schedule = SourceSchedule()
-        self.references: ReferenceSchedule = first_references(question, parts)
 
     def hear(self, announcements: Iterable[Announcement]) -> None:
         """Know what to solve."""
@@ -97,7 +77,8 @@ class LiveSource:
             if self._stacks[wanted.stack].planned:
                 continue  # the HTMPC's
             kinematics = self._team.kinematics(state)
-            references = self.references.at(state.stamp)
+            controller.prepare(state)
+            references = controller.references.at(state.stamp)
             solution = self._solver.solve(wanted.stack, kinematics, references)
             usable = solution.solved and bool(np.isfinite(solution.chi).all())
             slack = float(solution.slacks[0]) if solution.slacks.size else None
@@ -128,8 +109,3 @@ def _samples(chi: ChiStream, team: Team) -> Iterator[tuple[int, SourceSample]]:
                 str(chi.stack[row]),
             ),
         )
-
-
-def first_references(question: Question, parts: Parts) -> ReferenceSchedule:
-    """Return the scenario's first references."""
-    return build_references(question.resolved, parts.team)

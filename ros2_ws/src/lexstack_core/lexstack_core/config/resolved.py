@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
@@ -49,9 +50,20 @@ class ResolvedScenario:
         return yaml.safe_dump(plain(self), sort_keys=False, allow_unicode=True)
 
     @classmethod
-    def from_yaml(cls, text: str, where: str) -> ResolvedScenario:
-        """Return the scenario in a text that ``to_yaml`` wrote; ``where`` names its origin."""
-        return build(cls, parse_yaml(text, where), where)
+    def from_yaml(
+        cls, text: str, where: str, since: Mapping[str, object] | None = None
+    ) -> ResolvedScenario:
+        """Return the scenario in a text that ``to_yaml`` wrote.
+
+        Args:
+            text: YAML.
+            where: its origin, for errors.
+            since: values of the scenario's keys that older versions did not write.
+        """
+        tree = parse_yaml(text, where)
+        if since and isinstance(tree, dict) and isinstance(tree.get("scenario"), dict):
+            tree["scenario"] = {**since, **tree["scenario"]}
+        return build(cls, tree, where)
 
 
 def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:

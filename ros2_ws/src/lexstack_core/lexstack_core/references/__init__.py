@@ -4,12 +4,15 @@ Robot A decides at which tick a target takes effect (``ReferenceSchedule``); who
 references follows its decisions (``ReferenceTimeline``).
 """
 
+from lexstack_core.references.encoding import WIDTHS, decode, encode
 from lexstack_core.references.schedule import ReferenceSchedule
 from lexstack_core.references.set_point import Fading, SetPoint
-from lexstack_core.references.timeline import ReferenceTimeline, Setting
+from lexstack_core.references.timeline import ROUNDING, ReferenceTimeline, Setting
 from lexstack_core.references.values import References, Target, measured, pose_from_config
 
 __all__ = [
+    "ROUNDING",
+    "WIDTHS",
     "Fading",
     "ReferenceSchedule",
     "ReferenceTimeline",
@@ -17,6 +20,8 @@ __all__ = [
     "SetPoint",
     "Setting",
     "Target",
+    "decode",
+    "encode",
     "measured",
     "pose_from_config",
 ]

@@ -89,9 +89,12 @@ class ReferenceTimeline:
         self._last = (setting, setting.settled(stamp), references)
         return references
 
-    def revision(self, stamp: float) -> int:
-        """Return the number of the decision in effect at a time [s]."""
-        return self._at(stamp).revision
+    def of_revision(self, revision: int, stamp: float) -> References:
+        """Return the references at a time [s] by a known decision; by the one in effect if not."""
+        for setting in self._settings:
+            if setting.revision == revision:
+                return setting.references(stamp)
+        return self.at(stamp)
 
     def _at(self, stamp: float) -> Setting:
         """Return the decision in effect at a time [s]."""
