@@ -6,11 +6,13 @@ references follows its decisions (``ReferenceTimeline``).
 
 from lexstack_core.references.encoding import WIDTHS, decode, encode
 from lexstack_core.references.schedule import ReferenceSchedule
-from lexstack_core.references.set_point import Fading, SetPoint
+from lexstack_core.references.set_point import BASES, POSES, Fading, SetPoint
 from lexstack_core.references.timeline import ROUNDING, ReferenceTimeline, Setting
 from lexstack_core.references.values import References, Target, measured, pose_from_config
 
 __all__ = [
+    "BASES",
+    "POSES",
     "ROUNDING",
     "WIDTHS",
     "Fading",
