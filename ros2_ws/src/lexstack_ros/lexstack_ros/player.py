@@ -28,6 +28,7 @@ from lexstack_ros.conversions import pose_message
 from lexstack_ros.qos import STREAM
 from lexstack_ros.readiness import is_connected
 from lexstack_ros.sequence_client import SequenceClient
+from lexstack_ros.streams import Streams
 
 PLAYER = "scenario_player"
 _LEAD = 1.0  # s, how long before its time an event is sent in realtime
@@ -55,6 +56,7 @@ class Player(Node):
             for name in resolved.scenario.robots
             for kind in ("ee_target", "base_target")
         }
+        self._streams = Streams(resolved, self._targets) if resolved.scenario.streams else None
         self._switch = self.create_client(SwitchStack, "/robot_a/switch_stack")
         self._pause = self.create_client(SetBool, "/sim_bridge/pause")
         plans = resolved.scenario.plans
@@ -76,8 +78,11 @@ class Player(Node):
         end = time.monotonic() + timeout
         self._wait(watch, end, "all processes to connect", self._connected)
         events = sorted(self._scenario.events, key=lambda event: event.at)
-        # In lockstep simulated time may run faster than a call takes: everything goes ahead of it.
-        lead = _LEAD if self._scenario.mode == "realtime" else self._scenario.duration
+        # In lockstep simulated time may run faster than a call takes: what is sent goes far ahead of
+        # it, and no farther than a stamp may be.
+        lead = min(self._scenario.duration, 0.5 * self._scenario.timeouts.target_horizon)
+        if self._scenario.mode == "realtime":
+            lead = min(lead, _LEAD)
         events = self._send_due(events, lead)
         self._release()
         while not self._finished():
@@ -96,7 +101,7 @@ class Player(Node):
         due = [event for event in events if event.at <= until]
         for event in due:
             self._send_targets(event)
-        if self._scenario.mode == "lockstep":
+        if due and self._scenario.mode == "lockstep":
             self._wait_taken()
         for event in due:
             if event.switch:
@@ -193,6 +198,8 @@ class Player(Node):
 
     def _on_state(self, message: PlantState) -> None:
         self.state = message
+        if self._streams is not None and message.status != PlantState.PAUSED:
+            self._streams.publish(self._now())
 
     def _on_status(self, message: TransitionStatus) -> None:
         self.transition = message

@@ -9,6 +9,7 @@ from lexstack_core.config.checks import at_most, finite, names, not_negative, po
 from lexstack_core.config.plant import PlantConfig
 from lexstack_core.config.robot import Vector3
 from lexstack_core.config.sequence import SequenceChangeConfig, SequenceConfig
+from lexstack_core.config.stream import StreamConfig
 from lexstack_core.errors import ConfigurationError
 
 Quaternion = tuple[float, float, float, float]
@@ -174,6 +175,7 @@ class ScenarioConfig:
     limit_jerk: bool = False  # at every tick, not only in transitions by bridge_jerk
     htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)
     sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
+    streams: tuple[StreamConfig, ...] = ()  # of targets
     solvers: int = 1  # processes that solve for robot A, each for some of the robots
     solver: str = "daqp"  # a key of lexstack_core.hqp.SOLVERS
     mode: Mode = "lockstep"
@@ -205,6 +207,7 @@ class ScenarioConfig:
             if event.at >= self.duration:
                 raise ConfigurationError(f"{where}: events[{i}].at: after the scenario's end")
         pushed = [(f"plant.pushes[{i}]", [push.robot]) for i, push in enumerate(self.plant.pushes)]
+        streamed = [(f"streams[{i}]", [entry.robot]) for i, entry in enumerate(self.streams)]
         planned = [(f"sequences.{name}", [entry.robot]) for name, entry in self.sequences.items()]
         for i, event in enumerate(self.events):
             planned += [(f"events[{i}].changes", [change.robot]) for change in event.changes]
@@ -214,7 +217,7 @@ class ScenarioConfig:
                     raise ConfigurationError(
                         f"{where}: events[{i}].execute: unknown {shown(name)}; known: {known}"
                     )
-        for key, by_robot in [*targets, *pushed, *planned]:
+        for key, by_robot in [*targets, *pushed, *streamed, *planned]:
             for robot in by_robot:
                 if robot not in self.robots:
                     known = ", ".join(self.robots)
