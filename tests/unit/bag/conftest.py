@@ -193,6 +193,7 @@ class Maker:
             stamp=tick / RATE,
             tick=tick,
             sender=f"{robot}@host/1/0",
+            references=1,
             robots=["robot_a", "robot_b"],
             **(defaults | fields),
         )

@@ -50,6 +50,7 @@ def run(tmp_path_factory, resolved):
                 stamp=tick / 100,
                 tick=tick,
                 sender="stack_solver@host/1/0" if robots != B else "stack_solver_2@host/2/0",
+                references=1,
                 robots=robots,
                 stack="reach_base",
                 transition_id=1,

@@ -37,6 +37,7 @@ def references_in_effect(run: Run, team: Team) -> tuple[References, ...]:
         return _goals(run)
     home = team.home(run.resolved)
     schedule = ReferenceSchedule.from_scenario(run.resolved.scenario, team, home)
+    schedule.lead_in = 0.0  # the goals count
     for target in run.targets:
         if target.robot in team.names:
             schedule.add(scheduled(target, team))

@@ -78,8 +78,8 @@ class Player(Node):
         end = time.monotonic() + timeout
         self._wait(watch, end, "all processes to connect", self._connected)
         events = sorted(self._scenario.events, key=lambda event: event.at)
-        # In lockstep simulated time may run faster than a call takes: what is sent goes far ahead of
-        # it, and no farther than a stamp may be.
+        # In lockstep simulated time may run faster than a call takes: what is sent goes far ahead
+        # of it, and no farther than a stamp may be.
         lead = min(self._scenario.duration, 0.5 * self._scenario.timeouts.target_horizon)
         if self._scenario.mode == "realtime":
             lead = min(lead, _LEAD)

@@ -21,6 +21,7 @@ from lexstack_interfaces.msg import References
 from lexstack_ros.conversions import pose_message, to_base_target, to_ee_target
 from lexstack_ros.qos import LATCHED, STREAM
 from lexstack_ros.reference_conversions import references_message, to_setting
+from lexstack_ros.tuning import LeadInParameter
 
 DECISIONS = "/robot_a/references"
 KEPT = "/robot_b/references"
@@ -43,6 +44,7 @@ class TargetTopics:
         self._node = node
         self.schedule = schedule
         self.refused = 0
+        self._refusal = ""  # the last one since the last report
         for robot, name in enumerate(team.names):
             for kind in _KINDS:
                 topic = f"/{name}/{kind}"
@@ -58,7 +60,13 @@ class TargetTopics:
             self.refused += 1
             text = str(error).removeprefix(f"{kind}: ")
             line = text if text.startswith(topic) else f"{topic}: {text}"
-            self._node.get_logger().warning(f"refused: {line}", throttle_duration_sec=1.0)
+            self._refusal = f"refused: {line}"
+            self._node.get_logger().warning(self._refusal, throttle_duration_sec=1.0)
+
+    def report(self) -> str:
+        """Return the last refusal since the last report, or ''."""
+        refusal, self._refusal = self._refusal, ""
+        return refusal
 
 
 class HeardReferences:
@@ -109,6 +117,7 @@ class Decisions:
         self._node = node
         self._team = team
         self._sender = sender
+        self._parameter = LeadInParameter(node, schedule.lead_in, self._lead_in)
         self._out = node.create_publisher(References, DECISIONS, LATCHED)
         self._goals = _Goals(node, team)
         self._kept = HeardReferences(node, team, KEPT)
@@ -118,6 +127,7 @@ class Decisions:
         """Decide for another schedule from now on; revisions count on."""
         schedule.count_on(self.schedule)
         self.schedule = schedule
+        self._parameter.hand_on()
 
     def known(self, state: RobotState, late: int) -> bool:
         """Return whether the first references can be decided for a state.
@@ -134,6 +144,10 @@ class Decisions:
         now = time.monotonic()
         self._asked_since = self._asked_since or now
         return now - self._asked_since > _PATIENCE or not self._node.count_publishers(KEPT)
+
+    def _lead_in(self, seconds: float) -> None:
+        """Lead later targets in within another time [s]."""
+        self.schedule.lead_in = seconds
 
     def tell(self) -> None:
         """Publish what was decided since the last call."""

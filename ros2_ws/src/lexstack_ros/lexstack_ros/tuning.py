@@ -14,6 +14,7 @@ from lexstack_core.transition.request import MAX_DURATION
 
 DURATION = "transition_duration"
 METHOD = "transition_method"
+LEAD_IN = "lead_in"
 _SHORTEST = 0.01  # s
 
 
@@ -58,3 +59,23 @@ class TransitionParameters:
         """Apply the present values."""
         duration = float(self._node.get_parameter(DURATION).value)
         self._apply(duration, str(self._node.get_parameter(METHOD).value))
+
+
+class LeadInParameter:
+    """``lead_in`` [s]: the time in which a reference moves to a new target; 0: it steps."""
+
+    def __init__(self, node: Node, configured: float, apply: Callable[[float], None]) -> None:
+        """Declare it with the configured value; ``apply`` takes every valid change."""
+        self._node = node
+        self._apply = apply
+        span = FloatingPointRange(from_value=0.0, to_value=MAX_DURATION, step=0.0)
+        described = ParameterDescriptor(
+            description="time in which a reference moves to a new target [s]; 0: it steps",
+            floating_point_range=[span],
+        )
+        node.declare_parameter(LEAD_IN, configured, described)
+        node.add_post_set_parameters_callback(lambda _parameters: self.hand_on())
+
+    def hand_on(self) -> None:
+        """Apply the present value."""
+        self._apply(float(self._node.get_parameter(LEAD_IN).value))

@@ -26,6 +26,7 @@ class ReferenceSchedule:
 
     Attributes:
         timeline: the decisions.
+        lead_in: time in which a reference moves to a target that is still to be decided on [s].
     """
 
     def __init__(
@@ -41,7 +42,7 @@ class ReferenceSchedule:
         self.timeline = ReferenceTimeline()
         self._initial = initial
         self._given: tuple[frozenset[int], frozenset[int]] | None = None
-        self._lead_in = lead_in
+        self.lead_in = lead_in
         self._horizon = horizon
         self._coming: dict[tuple[int, bool], list[Target]] = defaultdict(list)
         self._decided = -float("inf")  # s, the last tick that was decided
@@ -183,10 +184,10 @@ class ReferenceSchedule:
         """Return the set-points with one target put in; one that says nothing new changes none."""
         i = target.robot
         if target.ee is not None and not _same_pose(ee[i].goal, target.ee):
-            point = ee[i].led_to(target.ee, stamp, self._lead_in, POSES)
+            point = ee[i].led_to(target.ee, stamp, self.lead_in, POSES)
             ee = (*ee[:i], point, *ee[i + 1 :])
         if target.base is not None and not np.array_equal(base[i].goal, target.base):
-            place = base[i].led_to(target.base, stamp, self._lead_in, BASES)
+            place = base[i].led_to(target.base, stamp, self.lead_in, BASES)
             base = (*base[:i], place, *base[i + 1 :])
         return ee, base
 

@@ -164,13 +164,17 @@ class HqpControllerNode(Node):
         self._requests.restart(self._controller.transition)
         self._journal.begin_anew()
 
+    def _complaints(self) -> tuple[str, ...]:
+        """Return what the node's parts complain of."""
+        return self._journal.report(), self._watch.report(), self._targets.report()
+
     def _health(self) -> Health:
         """Return how the node is."""
         refused = self._states.refused + self._targets.refused
         complaint, ages = self._states.report()
         failed = f"{self._fallbacks} ticks failed" if self._fallbacks else ""
         return Health(
-            all_of(self._journal.report(), self._watch.report(), complaint, failed),
+            all_of(*self._complaints(), complaint, failed),
             {
                 **self._meter.report(),
                 **ages,
