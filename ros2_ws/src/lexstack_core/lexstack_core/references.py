@@ -22,10 +22,13 @@ class References:
     Attributes:
         ee: pose of each tool frame.
         base: x [m], y [m], yaw [rad] of each base, shape (3,) each.
+        revision: counts robot A's decisions which targets are in effect; 0: none is counted. While
+            a set-point is led in, the references move from tick to tick within one revision.
     """
 
     ee: tuple[Pose, ...]
     base: tuple[Vector, ...]
+    revision: int = 0
 
 
 @dataclass(frozen=True, slots=True)
