@@ -14,6 +14,7 @@ from lexstack_core.linear import Vector
 from lexstack_core.model import Team
 from lexstack_core.references import ReferenceSchedule, measured
 from lexstack_core.state import RobotState
+from lexstack_core.transition.auxiliary import Auxiliary
 from lexstack_core.transition.machine import Transition
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.status import TransitionState
@@ -32,7 +33,8 @@ class Command:
         chi: the command, shape (n,), inside ``bounds``.
         bounds: the box at this tick.
         slacks: norm of the residual of each level that A solved.
-        fallback: empty, or why it is not the configured solver's: another one's, or A brakes.
+        fallback: empty, or why it is not the configured solver's: another one's, or A brakes; and
+            which auxiliary problem of a transition failed, so that a robot held its command.
         transitions: where the transition of each channel stands, in the order of their robots.
         solve_time: wall time of the whole tick [s].
         revision: of the references, see ``References``.
@@ -85,22 +87,26 @@ class Controller:
         begun = perf_counter()
         self.prepare(state)
         kinematics = self._team.kinematics(state)
-        wanted, jerk = self.transition.limits(state.tick)
+        references = self.references.at(state.stamp)
+        due = self.transition.due(state.tick, references.revision)
+        wanted, jerk = self.transition.limits(due)
         limits, bounds = self._box.at(state, wanted, self._sent, jerk=jerk)
+        auxiliary = Auxiliary(self._solver, state.command, bounds)
         means = Means(
             bounds,
             self._bounds or bounds,
             free=lambda: target_bounds(state.q_star, wanted, self._box.dt),
-            solve=lambda problem: self._solver.solve(problem).chi,
+            solve=auxiliary.solve,
             limits=limits,
             dt=self._box.dt,
+            held=auxiliary.held,
         )
-        references = self.references.at(state.stamp)
-        plans = self.transition.step(kinematics, references, means)
+        plans = self.transition.step(due, kinematics, references, means)
         bounds = self._bounds = plans.problem.bounds
         solution = self._solver.solve(plans.problem, self._warm)
         chi, fallback = checked(solution, bounds)
         self._warm = None if fallback else solution
+        fallback = "; ".join(word for word in (fallback, auxiliary.failures) if word)
         self._problem = plans.problem
         self._sent = chi
         stack = self.transition.stack
@@ -129,7 +135,7 @@ class Controller:
 
     def awaits(self, state: RobotState) -> bool:
         """Return whether a source's chi of this tick is still to come (lockstep)."""
-        return self.transition.awaits(state.tick)
+        return self.transition.awaits(state.tick, self.references.at(state.stamp).revision)
 
     def obstructed(self) -> str:
         """Return which levels of the last tick a joint's bound keeps from being met, or ''.

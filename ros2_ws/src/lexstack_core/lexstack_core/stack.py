@@ -10,12 +10,13 @@ import numpy as np
 from lexstack_core.bounds import JointLimits
 from lexstack_core.config.checks import shown
 from lexstack_core.config.stack import JointLimitConfig, StackConfig, TaskConfig
-from lexstack_core.errors import ConfigurationError
+from lexstack_core.errors import ConfigurationError, ModelError
 from lexstack_core.linear import LinearTask
 from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References
 from lexstack_core.tasks import TASKS, Task
 
+_LIMITS = ("position_lower", "position_upper", "velocity", "acceleration", "jerk")
 AT_REST = " at rest"  # ends the name of a stack whose lower levels are minimum velocity
 
 
@@ -87,8 +88,18 @@ class Stack:
         )
 
 
-def joined(stacks: Sequence[Stack]) -> Stack:
-    """Return stacks of different robots as one, level by level; of one stack itself."""
+def joined(stacks: Sequence[Stack], team: Team | None = None) -> Stack:
+    """Return stacks of different robots as one, level by level; of one stack itself.
+
+    The limits stay those of each robot's stack. A plan is followed where all stacks follow one.
+
+    Args:
+        stacks: that share no robot.
+        team: of all robots; needed where the stacks have different limits.
+
+    Raises:
+        ModelError: the limits differ, and there is no team to tell whose joints are whose.
+    """
     if len(stacks) == 1:
         return stacks[0]
     depth = max(len(stack.levels) for stack in stacks)
@@ -102,7 +113,28 @@ def joined(stacks: Sequence[Stack]) -> Stack:
     )
     name = " + ".join(dict.fromkeys(stack.name for stack in stacks))
     robots = sorted(robot for stack in stacks for robot in stack.robots or ())
-    return Stack(name, levels, robots=tuple(robots))
+    planned = all(stack.planned for stack in stacks)
+    return Stack(name, levels, _joined_limits(stacks, team), tuple(robots), planned)
+
+
+def _joined_limits(stacks: Sequence[Stack], team: Team | None) -> JointLimits | None:
+    """Return the limits of every robot's stack on its joints; the same object where all share it.
+
+    Limits are told apart by identity: a new object would let them come into force once more.
+    """
+    first = stacks[0].limits
+    if all(stack.limits is first for stack in stacks):
+        return first
+    if team is None:
+        names = ", ".join(repr(stack.name) for stack in stacks)
+        raise ModelError(f"stacks {names}: they have different limits, and no team is given")
+    values = {name: getattr(team.limits, name).copy() for name in _LIMITS}
+    for stack in stacks:
+        if stack.limits is not None:
+            mine = team.columns(stack.robots or ())
+            for name in _LIMITS:
+                values[name][mine] = getattr(stack.limits, name)[mine]
+    return JointLimits(**values)
 
 
 def build_stack(config: StackConfig, team: Team) -> Stack:
@@ -137,8 +169,7 @@ def _build_limits(config: StackConfig, team: Team) -> JointLimits | None:
     """Return the limits of all joints, shape (n,) each, or None where the file has none."""
     if not config.limits:
         return None
-    fields = ("position_lower", "position_upper", "velocity", "acceleration", "jerk")
-    values = {name: getattr(team.limits, name).copy() for name in fields}
+    values = {name: getattr(team.limits, name).copy() for name in _LIMITS}
     for robot, joints in config.limits.items():
         where = f"stack {config.name}: limits"
         _known(where, "robot", robot, team.names)

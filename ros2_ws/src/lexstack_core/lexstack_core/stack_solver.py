@@ -78,11 +78,6 @@ class StackSolver:
             self._warm[key] = solution
         return solution if part is None else _among_all(solution, part, self._team.n)
 
-    def chi(self, stack: Stack, kinematics: Kinematics, references: References) -> Vector:
-        """Return the optimum of a stack, shape (n,), or zeros where it cannot be solved."""
-        solution = self.solve(stack, kinematics, references)
-        return solution.chi if solution.solved else np.zeros(self._team.n)
-
     def at_rest(self, stack: Stack) -> Stack:
         """Return level 1 of a stack with minimum velocity below it."""
         robots = range(len(self._team.robots)) if stack.robots is None else stack.robots

@@ -108,6 +108,7 @@ def to_sample(message: Chi, team: Team, where: str) -> SourceSample:
         float(slacks[0]) if slacks.size else None,
         None if len(robots) == len(team.robots) else robots,
         message.stack,
+        message.references or None,
     )
 
 

@@ -50,6 +50,12 @@ class RecordedSource:
             controller.transition.hear(sample)
 
 
+def _revision(chi: ChiStream, row: int) -> int | None:
+    """Return the revision of the references that B solved with, None where it is not known."""
+    known = int(chi.references[row]) if len(chi.references) else 0
+    return known or None
+
+
 def _slack(chi: ChiStream, row: int) -> float | None:
     """Return what robot B said of level 1, None where it said nothing."""
     known = chi.slacks.shape[1] > 0 and bool(np.isfinite(chi.slacks[row, 0]))
@@ -82,7 +88,8 @@ class LiveSource:
             solution = self._solver.solve(wanted.stack, kinematics, references)
             usable = solution.solved and bool(np.isfinite(solution.chi).all())
             slack = float(solution.slacks[0]) if solution.slacks.size else None
-            sample = SourceSample(wanted.id, state.tick, solution.chi, usable, slack)
+            entry = wanted.id, state.tick, solution.chi, usable, slack
+            sample = SourceSample(*entry, revision=references.revision)
             controller.transition.hear(sample)
 
 
@@ -107,5 +114,6 @@ def _samples(chi: ChiStream, team: Team) -> Iterator[tuple[int, SourceSample]]:
                 _slack(chi, row),
                 robots if some else None,
                 str(chi.stack[row]),
+                _revision(chi, row),
             ),
         )

@@ -35,8 +35,9 @@ class AskedLimits:
             _, limits, jerk = asked[0]
             return limits or self._own, jerk
         jerks = {jerk for _, _, jerk in asked}
-        if jerks == {False} and all(limits is None for _, limits, _ in asked):
-            return self._own, False
+        first = asked[0][1]
+        if len(jerks) == 1 and all(limits is first for _, limits, _ in asked):
+            return first or self._own, True in jerks
         if not self._same(asked):
             self._last, self._limits = tuple(asked), self._put_together(asked, jerks)
         return self._limits, True in jerks

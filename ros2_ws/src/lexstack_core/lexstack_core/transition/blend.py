@@ -9,47 +9,24 @@ import numpy as np
 
 from lexstack_core.hqp import HqpProblem
 from lexstack_core.linear import LinearTask, Vector
-from lexstack_core.stack import Stack
-from lexstack_core.transition.bridge import Bridge, follows_within, latch
+from lexstack_core.transition.bridge import Bridge, latch
 from lexstack_core.transition.carry import Carry
 from lexstack_core.transition.methods import METHODS, View
 from lexstack_core.transition.part import Part
 from lexstack_core.transition.past import Past
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.profile import alpha
+from lexstack_core.transition.relatch import Tally
 from lexstack_core.transition.request import SwitchRequest
 from lexstack_core.transition.sources import Moment
 from lexstack_core.transition.status import Source
 from lexstack_core.transition.time_optimal import Progress, advanced
+from lexstack_core.transition.way import Way
 
 _START = Progress()
 _LITTLE = (0.02, 0.002)  # of the acceleration and the jerk limits
 _SHORTEST = 0.1  # s
 _FELT = 1e-3  # of a joint's acceleration limit: no difference of accelerations below it is felt
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Way:
-    """From where to where.
-
-    Attributes:
-        request: that is served.
-        part: the robots that go.
-        origin: the stack that they come from.
-        target: the stack that they go to.
-        whole: whether they are all robots that this stack moves.
-    """
-
-    request: SwitchRequest
-    part: Part
-    origin: Stack
-    target: Stack
-    whole: bool
-
-    def of(self, part: Part) -> Way:
-        """Return the way of some of its robots."""
-        origin, target = self.origin.of(part.robots), self.target.of(part.robots)
-        return Way(self.request, part, origin, target, whole=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,27 +37,34 @@ class Blend:
         way: from where to where, for which request.
         source: whose chi it follows.
         start: the tick at which alpha is 0.
+        duration: in which alpha comes to 1 [s].
         bridge: the gaps that were latched there, and what is carried over at this tick.
         source_chi: the source's optimum of this tick, shape (n,).
         step: how far A would have moved its command at the start, without what made it latch, (n,).
         carry: the motion of the gap at its latch, None where it has none.
-        drift: how far the source's optimum has moved since the tick before, shape (n,).
+        drift: how far the source's optimum has moved since the tick before, without what new
+            targets moved in it, shape (n,).
         progress: alpha of this tick, and its rate where the profile has a state.
-        takes_over: whether it leads from B's chi at the end to A's own, and so away from B.
+        alone: whether A goes to its own optimum and follows B no longer, to the end.
         end: the first tick for which the source is no longer needed, None until it is known.
+        calm: whether the latch before was long enough ago for the source's motion to be known.
+        tally: of what made it latch.
     """
 
     way: Way
     source: Source
     start: int
+    duration: float
     bridge: Bridge
     source_chi: Vector
     step: Vector
     carry: Carry | None = None
     drift: Vector | None = None
     progress: Progress = _START
-    takes_over: bool = False
+    alone: bool = False
     end: int | None = None
+    calm: bool = True
+    tally: Tally = Tally()  # noqa: RUF009 - a frozen value
 
     @property
     def request(self) -> SwitchRequest:
@@ -107,20 +91,39 @@ class Blend:
         """
         bridge = latch(past.start, source[1], level, past.level_goes_on)
         step = past.start - moment.kinematics.state.command
-        return cls(way, source[0], moment.tick, bridge, source[1], step, past.carry)
+        return cls(
+            way,
+            source[0],
+            moment.tick,
+            way.request.duration,
+            bridge,
+            source[1],
+            step,
+            past.carry,
+            calm=past.calm,
+        )
 
     def taken_over(self, own: Vector, tick: int, means: Means) -> Blend:
         """Return the blend from B's chi of this tick on to A's own optimum of it, shape (n,).
 
         Where B's chi is late or frozen, adopting the stack at once would make the command jump by
         their difference. It fades as slowly as is needed to be hardly felt, and at most in the
-        time of the blend before: a chi that is one tick old takes the shortest time.
+        time of the blend before: a chi that is one tick old takes the shortest time. What comes in
+        between, like a new target, has the request's whole time again.
         """
         gap = self.source_chi - own
-        request = replace(self.request, duration=self._unfelt(gap, means))
-        way = Way(request, self.way.part, self.way.origin, self.way.target, self.way.whole)
         step = np.zeros_like(own) if self.drift is None else self.drift
-        return Blend(way, Source.LOCAL, tick, Bridge(gap, None), own, step, takes_over=True)
+        return Blend(
+            self.way,
+            Source.LOCAL,
+            tick,
+            self._unfelt(gap, means),
+            Bridge(gap, None),
+            own,
+            step,
+            alone=True,
+            tally=self.tally,
+        )
 
     def _unfelt(self, gap: Vector, means: Means) -> float:
         """Return in which time [s] a gap (n,) fades with ``_LITTLE`` acceleration and jerk.
@@ -131,7 +134,7 @@ class Blend:
         size = np.abs(gap[mine])
         by_rate = 1.875 * float((size / limits.acceleration[mine]).max()) / _LITTLE[0]
         by_jerk = math.sqrt(5.774 * float((size / limits.jerk[mine]).max()) / _LITTLE[1])
-        return min(self.request.duration, max(_SHORTEST, by_rate, by_jerk))
+        return min(self.duration, max(_SHORTEST, by_rate, by_jerk))
 
     def of(self, part: Part) -> Blend:
         """Return the blend of some of its robots, which goes on as it is."""
@@ -143,8 +146,11 @@ class Blend:
             epsilon = tuple(gap for gap, mine in zip(epsilon, kept, strict=True) if mine)
         return replace(self, way=way, bridge=replace(self.bridge, epsilon=epsilon))
 
-    def advanced(self, chi: Vector, tick: int, means: Means) -> Blend:
-        """Return the blend at a tick, given the source's chi (n,) for it."""
+    def advanced(self, chi: Vector, tick: int, means: Means, *, unsteady: bool = False) -> Blend:
+        """Return the blend at a tick, given the source's chi (n,) for it.
+
+        ``unsteady``: that chi may have moved by a new reference, which is no motion to go on with.
+        """
         if tick == self.start:
             return replace(self, source_chi=chi)
         drift, elapsed = chi - self.source_chi, (tick - self.start) * means.dt
@@ -158,22 +164,24 @@ class Blend:
                 means.dt,
             )
         else:
-            progress = Progress(alpha(self.request.profile, elapsed, self.request.duration))
+            progress = Progress(alpha(self.request.profile, elapsed, self.duration))
         carry, bridge = self.carry, self.bridge
-        if tick == self.start + 1:
+        if tick == self.start + 1 and self.calm and not unsteady:
             carry = self._with_slip(drift, means)
         if carry is not None:
             bridge = replace(bridge, carried=carry.at(elapsed))
+        known = self.drift if unsteady else drift
         # Not by dataclasses.replace, which takes three times as long.
-        state = (chi, self.step, carry, drift, progress, self.takes_over, self.end)
-        return Blend(self.way, self.source, self.start, bridge, *state)
+        state = (chi, self.step, carry, known, progress, self.alone, self.end, self.calm)
+        fixed = (self.way, self.source, self.start, self.duration, bridge)
+        return Blend(*fixed, *state, self.tally)
 
     def over_at(self, tick: int, means: Means) -> bool:
         """Return whether alpha is 1 at the next tick, if the source stays where it is."""
         if self.request.profile == "time_optimal":
             return self.advanced(self.source_chi, tick, means).progress.alpha >= 1.0
         elapsed = (tick - self.start) * means.dt
-        return alpha(self.request.profile, elapsed, self.request.duration) >= 1.0
+        return alpha(self.request.profile, elapsed, self.duration) >= 1.0
 
     def left(self, tick: int, duration: float, means: Means) -> tuple[Vector, Carry | None]:
         """Return what this blend, given up at ``tick``, leaves to the next one of ``duration`` [s].
@@ -191,16 +199,6 @@ class Blend:
             carry = Carry(speed, bend / means.dt**2, duration)
         reach = means.limits.acceleration * means.dt
         return np.minimum(np.maximum(step, -reach), reach), carry
-
-    def level_jumps(self, level: tuple[LinearTask, ...], moment: Moment, means: Means) -> bool:
-        """Return whether new references move level 1 by more than the joints follow in one tick.
-
-        Less than that needs no bridge: a stream of small steps must not hold a transition up.
-        """
-        if moment.references is moment.before or self.start == moment.tick:
-            return False
-        old = self.way.target.first(moment.kinematics, moment.before)
-        return not follows_within(level, old, means.reach)
 
     def problem(self, level: tuple[LinearTask, ...], moment: Moment, means: Means) -> HqpProblem:
         """Return what the request's method asks for at this tick; ``level`` is the new level 1."""
@@ -228,8 +226,7 @@ class Blend:
 
     def _gap(self, elapsed: float) -> Vector:
         """Return the gap after ``elapsed`` seconds, shape (n,)."""
-        request = self.request
-        gap = (1.0 - alpha(request.profile, elapsed, request.duration)) * self.bridge.delta
+        gap = (1.0 - alpha(self.request.profile, elapsed, self.duration)) * self.bridge.delta
         return gap if self.carry is None else gap + self.carry.at(max(elapsed, 0.0))
 
     def _with_slip(self, drift: Vector, means: Means) -> Carry | None:
@@ -245,4 +242,4 @@ class Blend:
         slip[np.abs(slip) <= _FELT * limit] = 0.0
         if not slip[self.way.part.columns].any():
             return carry
-        return replace(carry or Carry.none(slip.size, self.request.duration), slip=slip)
+        return replace(carry or Carry.none(slip.size, self.duration), slip=slip)

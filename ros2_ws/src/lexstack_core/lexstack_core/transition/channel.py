@@ -18,10 +18,12 @@ from lexstack_core.transition.methods import BRIDGES
 from lexstack_core.transition.part import Part
 from lexstack_core.transition.past import Past
 from lexstack_core.transition.plan import Means, Plan
-from lexstack_core.transition.sources import Moment, Sources
+from lexstack_core.transition.relatch import LOSSES, level_jumps, source_jumps
+from lexstack_core.transition.sources import Choice, Moment, Sources
 from lexstack_core.transition.status import Source
 
 _NEAR = 10.0  # of what a joint follows in one tick: as old as a plan may be, and two ticks more
+_CALM = 0.0999  # s: of latches that follow within 0.1 s none takes up what the source does
 _SAME = 1e-3  # of what a joint's acceleration limit allows in one tick: no difference that is felt
 
 
@@ -52,7 +54,7 @@ class Channel:
     @property
     def target(self) -> Stack:
         """The stack in effect; during a blend the one that they go to."""
-        return joined(self.adopted) if self.blend is None else self.blend.way.target
+        return joined(self.adopted, self.part.team) if self.blend is None else self.blend.way.target
 
     @property
     def method(self) -> str:
@@ -88,39 +90,64 @@ class Channel:
         self, blend: Blend, moment: Moment, means: Means, sources: Sources, *, adopts: bool
     ) -> tuple[Channel, Plan]:
         """Return what A solves in a blend; latch anew where the source or level 1 changed."""
-        request, target, source, reason = blend.request, blend.way.target, blend.source, self.reason
-        adopts, asked = adopts and not target.planned, asked_of(target)
+        target, tick = blend.way.target, moment.tick
+        adopts = adopts and not target.planned
         level = target.first(moment.kinematics, moment.references)
-        if not blend.takes_over:
-            # A part of a stack cannot be compared with what B says of the whole.
-            known = level if blend.way.whole else ()
-            source, why = sources.present(source, request.id, moment, known, asked)
+        choice, blend = _followed(blend, level, moment, sources)
+        reason = choice.why or self.reason
+        chi = sources.chi(choice, target, moment, means)
+        unsteady = blend.tally.unsteady(moment, choice, sources.stale)
+        blend = self._latched_again(blend, (choice, chi), level, moment, means, unsteady=unsteady)
+        tally = blend.tally.at(moment, choice)
+        if tally is not blend.tally:
+            blend = replace(blend, tally=tally)
+        blend = blend.advanced(chi, tick, means, unsteady=unsteady)
+        at_end = adopts and choice.source is Source.ROBOT_B and blend.progress.alpha >= 1.0
+        if at_end and blend.request.method in BRIDGES:
+            blend, why = _at_end(blend, sources.own(target, moment, means), tick, means)
             reason = why or reason
-        chi = sources.chi(source, request.id, target, moment)
-        if source is not blend.source or blend.level_jumps(level, moment, means):
-            past = past_of((self,), level, request.duration, moment, means)
-            if source is Source.HTMPC and self._begins_here(chi, moment, means):
-                past = Past(chi, past.level_goes_on, None)
-            over = blend.takes_over
-            blend = Blend.latched(blend.way, (source, chi), level, past, moment)
-            blend = replace(blend, takes_over=over)
-        blend = blend.advanced(chi, moment.tick, means)
-        at_end = adopts and source is Source.ROBOT_B and blend.progress.alpha >= 1.0
-        if at_end and request.method in BRIDGES:
-            own = sources.chi(Source.LOCAL, request.id, target, moment)
-            blend, why = _at_end(blend, own, moment.tick, means)
-            reason = why or reason
-        elif adopts and blend.end is None and blend.over_at(moment.tick + 1, means):
+        elif adopts and blend.end is None and blend.over_at(tick + 1, means):
             # Known one tick ahead, so that the source never solves for nothing.
-            blend = replace(blend, end=moment.tick + 2)
+            blend = replace(blend, end=tick + 2)
         plan = Plan(blend.problem(level, moment, means), blend.source_chi, blend.progress.alpha)
-        used = moment.references
-        return (
-            Channel(
-                self.part, self.adopted, self.origin, self.id, used, blend, reason, self.aborted
-            ),
-            plan,
-        )
+        used, kept = moment.references, (self.part, self.adopted, self.origin, self.id)
+        return Channel(*kept, used, blend, reason, self.aborted), plan
+
+    def _latched_again(
+        self,
+        blend: Blend,
+        source: tuple[Choice, Vector],
+        level: tuple[LinearTask, ...],
+        moment: Moment,
+        means: Means,
+        *,
+        unsteady: bool,
+    ) -> Blend:
+        """Return the blend, latched anew where what it goes to is no longer what it was.
+
+        Args:
+            blend: under way.
+            source: whom to follow, and its chi of this tick, shape (n,).
+            level: level 1 of the target at this tick.
+            moment: this tick.
+            means: what the controller lends.
+            unsteady: whether the chi may have moved by a new reference.
+        """
+        (choice, chi), tally = source, blend.tally
+        if choice.source is blend.source:
+            if blend.start == moment.tick or not tally.may_latch(moment):
+                return blend
+            moved = level_jumps(blend.way, level, moment, means)
+            if not moved and unsteady and not blend.way.target.planned:
+                moved = source_jumps(blend.way, chi - blend.source_chi, blend.drift, means)
+            if not moved:
+                return blend
+            tally = tally.with_target(moment)
+        past = past_of((self,), level, blend.request.duration, moment, means)
+        if choice.source is Source.HTMPC and self._begins_here(chi, moment, means):
+            past = Past(chi, past.level_goes_on, None)
+        latched = Blend.latched(blend.way, (choice.source, chi), level, past, moment)
+        return replace(latched, alone=blend.alone, tally=tally)
 
     def _begins_here(self, chi: Vector, moment: Moment, means: Means) -> bool:
         """Return whether a plan that is back begins where these robots are, at chi (n,) now.
@@ -140,6 +167,27 @@ class Channel:
         if blend.source is Source.MINIMUM_VELOCITY:
             target, aborted = sources.at_rest(target), f"{self.reason}; at rest"
         return replace(self, adopted=(target,), blend=None, aborted=aborted)
+
+
+def _followed(
+    blend: Blend, level: tuple[LinearTask, ...], moment: Moment, sources: Sources
+) -> tuple[Choice, Blend]:
+    """Return whom a blend follows at this tick, and the blend with a loss of B counted."""
+    if blend.alone:
+        return Choice(blend.source), blend
+    # A part of a stack cannot be compared with what B says of the whole.
+    known = level if blend.way.whole else ()
+    asked = asked_of(blend.way.target)
+    choice = sources.present(blend.source, blend.request.id, moment, known, asked)
+    done = blend.progress.alpha >= 1.0
+    tally = blend.tally.lost(blend.source, choice, done=done)
+    if tally is blend.tally:
+        return choice, blend
+    alone = tally.losses >= LOSSES
+    if alone:
+        count = f"; it is loss {tally.losses} of this blend, so B is not followed again"
+        choice = replace(choice, why=choice.why + count)
+    return choice, replace(blend, tally=tally, alone=alone)
 
 
 def asked_of(stack: Stack) -> Source:
@@ -175,6 +223,7 @@ def past_of(
     references = moment.references if same else moment.before
     start = kinematics.state.command.copy()
     carry: Carry | None = None
+    calm = True
     for channel in channels:
         columns = channel.part.columns
         if channel.blend is None:
@@ -183,12 +232,13 @@ def past_of(
             start[columns] = chi[columns]
             continue
         same = same and channel.blend.bridge.epsilon is None
+        calm = calm and (moment.tick - channel.blend.start) * means.dt >= _CALM
         step, left = channel.blend.left(moment.tick, duration, means)
         start[columns] += step[columns]
         if left is not None:
             carry = carry or Carry.none(start.size, duration)
             carry = carry.with_part(columns, left)
-    return Past(start, same, carry)
+    return Past(start, same, carry, calm)
 
 
 def _at_end(blend: Blend, own: Vector, tick: int, means: Means) -> tuple[Blend, str]:

@@ -7,21 +7,22 @@ from dataclasses import replace
 
 from lexstack_core.linear import Vector
 from lexstack_core.stack import Stack, joined
-from lexstack_core.transition.blend import Blend, Way
+from lexstack_core.transition.blend import Blend
 from lexstack_core.transition.channel import Channel, past_of
 from lexstack_core.transition.lineup import PartOf
 from lexstack_core.transition.part import Part
 from lexstack_core.transition.plan import Means
+from lexstack_core.transition.relatch import Tally
 from lexstack_core.transition.request import SwitchRequest
-from lexstack_core.transition.sources import Moment
-from lexstack_core.transition.status import Source
+from lexstack_core.transition.sources import Choice, Moment
+from lexstack_core.transition.way import Way
 
 
 def begun(
     channels: Sequence[Channel],
     request: SwitchRequest,
     goal: tuple[Part, Stack, bool],
-    source: tuple[Source, Vector, str],
+    source: tuple[Choice, Vector],
     moment: Moment,
     means: Means,
 ) -> Channel:
@@ -31,15 +32,16 @@ def begun(
         channels: that they were on, without any other robots.
         request: whose tick has come.
         goal: the robots, the stack that they go to, and whether they are all that it moves.
-        source: whom to follow, its chi of this tick, shape (n,), and why it is not B.
+        source: whom to follow, and its chi of this tick, shape (n,).
         moment: this tick.
         means: what the controller lends.
     """
-    part, target, whole = goal
+    (part, target, whole), (choice, chi) = goal, source
     level = target.first(moment.kinematics, moment.references)
     past = past_of(channels, level, request.duration, moment, means)
-    way = Way(request, part, joined([channel.target for channel in channels]), target, whole)
-    blend = Blend.latched(way, source[:2], level, past, moment)
+    way = Way(request, part, joined([c.target for c in channels], part.team), target, whole)
+    blend = Blend.latched(way, (choice.source, chi), level, past, moment)
+    blend = replace(blend, tally=Tally().at(moment, choice))
     gone = dict.fromkeys(c.blend.request.id for c in channels if c.blend is not None)
     reason = request.reason
     if gone and not reason:
@@ -52,7 +54,7 @@ def begun(
         request.id,
         moment.references,
         blend,
-        "; ".join(word for word in (reason, source[2]) if word),
+        "; ".join(word for word in (reason, choice.why) if word),
         next((channel.aborted for channel in channels if channel.aborted), ""),
     )
 
@@ -75,6 +77,6 @@ def together(channels: Sequence[Channel], part_of: PartOf) -> tuple[Channel, ...
     for group in groups:
         newest = max(group, key=lambda each: each.id)
         part = part_of(robot for each in group for robot in each.part.robots)
-        stack = joined([each.target for each in group])
+        stack = joined([each.target for each in group], part.team)
         kept.append(replace(newest, part=part, adopted=(stack,)))
     return tuple(sorted(kept, key=lambda each: each.part.robots))

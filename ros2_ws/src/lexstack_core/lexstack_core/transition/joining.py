@@ -18,8 +18,9 @@ class Joiner:
     def __init__(self, team: Team) -> None:
         """Join chi of this team."""
         self._team = team
-        self._parts: dict[int, list[SourceSample]] = {}  # by transition, all of one tick
-        self._newest: dict[int, int] = {}  # tick, by transition
+        # By transition, all of one tick and one revision of the references.
+        self._parts: dict[int, list[SourceSample]] = {}
+        self._newest: dict[int, tuple[int, int]] = {}  # tick and revision, by transition
 
     def join(self, sample: SourceSample, needed: Collection[int]) -> SourceSample | None:
         """Return the chi of all ``needed`` robots, or None while parts of it are missing.
@@ -30,14 +31,15 @@ class Joiner:
         """
         if sample.robots is None or set(needed) <= set(sample.robots):
             return sample
-        if sample.tick < self._newest.get(sample.transition_id, sample.tick):
+        age = _age(sample)
+        if age < self._newest.get(sample.transition_id, age):
             return None  # a part of the past
-        self._newest[sample.transition_id] = sample.tick
+        self._newest[sample.transition_id] = age
         before = self._parts.get(sample.transition_id, [])
         parts = [
             part
             for part in before
-            if part.tick == sample.tick and not set(part.robots or ()) & set(sample.robots)
+            if _age(part) == age and not set(part.robots or ()) & set(sample.robots)
         ]
         parts.append(sample)
         self._parts[sample.transition_id] = parts
@@ -64,3 +66,8 @@ class Joiner:
             slack = math.hypot(*(value for value in slacks if value is not None))
         solved = all(part.solved for part in parts)
         return replace(parts[0], chi=chi, solved=solved, slack=slack, robots=None)
+
+
+def _age(part: SourceSample) -> tuple[int, int]:
+    """Return the tick and the references' revision of a part; parts that differ do not fit."""
+    return part.tick, -1 if part.revision is None else part.revision

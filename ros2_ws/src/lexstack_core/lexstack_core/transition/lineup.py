@@ -53,11 +53,13 @@ def references_before(channels: Sequence[Channel], references: References) -> Re
 
     ``references`` are for channels that have served no tick.
     """
-    if len(channels) == 1:
-        return channels[0].used or references
-    ee, base = list(references.ee), list(references.base)
+    first = channels[0].used or references
+    if all((channel.used or references) is first for channel in channels):
+        return first
+    ee, base, revisions = list(references.ee), list(references.base), []
     for channel in channels:
         used = channel.used or references
         for robot in channel.part.robots:
             ee[robot], base[robot] = used.ee[robot], used.base[robot]
-    return References(tuple(ee), tuple(base))
+        revisions.append(used.revision)
+    return References(tuple(ee), tuple(base), max(revisions))

@@ -15,6 +15,7 @@ from lexstack_core.stack import AT_REST, Stack
 from lexstack_core.transition.announcer import Announcer, Wanted
 from lexstack_core.transition.asked import AskedLimits
 from lexstack_core.transition.channel import Channel, asked_of
+from lexstack_core.transition.due import Due
 from lexstack_core.transition.gathering import begun, together
 from lexstack_core.transition.joining import Joiner
 from lexstack_core.transition.lineup import as_asked, coupling, references_before, without
@@ -23,7 +24,7 @@ from lexstack_core.transition.part import Part
 from lexstack_core.transition.plan import Means, Plans
 from lexstack_core.transition.plan_book import HeardPlan, PlanBook
 from lexstack_core.transition.request import Answer, RequestBook, SwitchRequest, in_effect
-from lexstack_core.transition.sources import LocalSource, Moment, Sources
+from lexstack_core.transition.sources import Choice, LocalSource, Moment, Sources
 from lexstack_core.transition.status import (
     Announcement,
     Phase,
@@ -172,17 +173,20 @@ class Transition:
         """Take a plan of the HTMPC, for the stacks that follow it."""
         self._plans.hear(plan)
 
-    def awaits(self, tick: int) -> bool:
-        """Return whether this tick needs a chi of the source that is not there yet (lockstep)."""
+    def awaits(self, tick: int, revision: int | None = None) -> bool:
+        """Return whether this tick needs a chi of the source that is not there yet (lockstep).
+
+        ``revision`` is that of the references in effect at this tick; None: not known.
+        """
         if not self._lockstep:
             return False
-        due = self._due(tick)
+        due = self._asked_for(tick)
         self._sample_plans(due, tick)
-        if any(self._sources.fresh(request.id, tick) is None for request in due):
+        if any(self._sources.fresh(request.id, tick, revision) is None for request in due):
             return True
         leaving = {robot for request in due for robot in request.robots}
         return any(
-            self._needs(channel, tick)
+            self._needs(channel, tick, revision)
             for channel in self._channels
             if channel.blend is not None and not leaving.issuperset(channel.part.robots)
         )
@@ -194,7 +198,7 @@ class Transition:
         }
         for channel in self._channels:
             blend = channel.blend
-            if blend is None or blend.takes_over:
+            if blend is None or blend.alone:
                 continue
             id_, end = blend.request.id, blend.end
             if id_ in wanted:
@@ -209,10 +213,41 @@ class Transition:
 
     # ---- the tick
 
-    def limits(self, tick: int) -> tuple[JointLimits, bool]:
-        """Return the limits that this tick asks for, and whether a method limits jerk."""
+    def due(self, tick: int, revision: int | None = None) -> Due:
+        """Return which requests begin at this tick, decided once for all that is done in it.
+
+        A request waits for B's first chi, and for every older one that shares a robot with it. One
+        whose robots are coupled with others by now is dropped.
+
+        Args:
+            tick: that is to be served.
+            revision: of the references in effect at it; None: not known.
+        """
+        asked = self._asked_for(tick)
+        self._sample_plans(asked, tick)
+        starting, waiting, dropped = [], [], []
+        held, channels = set[int](), list(self._channels)
+        for request in asked:
+            source = asked_of(self._stacks[request.stack])
+            first = self._sources.first(request.id, request.at_tick, tick, revision, source)
+            if first is None or held.intersection(request.robots):
+                waiting.append(request)
+                held.update(request.robots)
+                continue
+            part = self._part(request.robots)
+            touched = [each for each in channels if part.shares(each.part)]
+            coupled = coupling(touched, part)
+            if coupled:
+                dropped.append((request, coupled))
+                continue
+            starting.append((request, first))
+            channels = as_asked(channels, [request], self._stacks, self._part)
+        return Due(tick, tuple(starting), tuple(waiting), tuple(dropped))
+
+    def limits(self, due: Due) -> tuple[JointLimits, bool]:
+        """Return the limits that a tick asks for, and whether a method limits jerk."""
         ways = [(channel.part, channel.target, channel.method) for channel in self._channels]
-        for request in self._starting(self._due(tick), tick)[0]:
+        for request, _ in due.starting:
             stay = [set(part.robots) - set(request.robots) for part, _, _ in ways]
             ways = [
                 (self._part(robots), stack, method)
@@ -225,22 +260,29 @@ class Transition:
             [(part.columns, stack.limits, method in JERK_LIMITED) for part, stack, method in ways]
         )
 
-    def step(self, kinematics: Kinematics, references: References, means: Means) -> Plans:
+    def step(
+        self, due: Due, kinematics: Kinematics, references: References, means: Means
+    ) -> Plans:
         """Return what A solves at this tick, with what the controller lends.
 
         While the source's first solution for a new stack is awaited, its robots go on with what
         they did, with the references of before: they change together with the stack.
+
+        Args:
+            due: of this tick.
+            kinematics: of this tick.
+            references: in effect at it.
+            means: what the controller lends.
         """
-        self._tick = kinematics.state.tick
-        due = self._due(self._tick)
-        self._sample_plans(due, self._tick)
-        held: set[int] = set()
-        if due:
-            self._book.due(self._tick)
-            starting, self._pending = self._starting(due, self._tick)
-            held = {robot for request in self._pending for robot in request.robots}
-            for request in starting:
-                self._begin(request, kinematics, references, means)
+        self._tick = due.tick
+        if due.asked:
+            self._book.due(due.tick)
+            self._pending = due.waiting
+            for request, coupled in due.dropped:
+                self._drop(request, coupled)
+            for request, first in due.starting:
+                self._begin(request, first, kinematics, references, means)
+        held = {robot for request in due.waiting for robot in request.robots}
         channels, plans = [], []
         for channel in self._channels:
             before = channel.used or references
@@ -278,64 +320,49 @@ class Transition:
             if chi is not None:
                 self._sources.hear(SourceSample(id_, tick, chi, solved=True))
 
-    def _due(self, tick: int) -> tuple[SwitchRequest, ...]:
+    def _asked_for(self, tick: int) -> tuple[SwitchRequest, ...]:
         """Return the requests whose tick has come, the older ones first."""
         due = self._book.peek(tick)
         return in_effect((*self._pending, *due)) if due else self._pending
 
-    def _starting(
-        self, due: Iterable[SwitchRequest], tick: int
-    ) -> tuple[list[SwitchRequest], tuple[SwitchRequest, ...]]:
-        """Return the requests that begin at this tick, and those that wait.
-
-        A request waits for B's first chi, and for every older one that shares a robot with it.
-        """
-        starting, waiting, held = [], [], set[int]()
-        for request in due:
-            asked = asked_of(self._stacks[request.stack])
-            first = self._sources.first(request.id, request.at_tick, tick, asked=asked)
-            if first is None or held.intersection(request.robots):
-                waiting.append(request)
-                held.update(request.robots)
-            else:
-                starting.append(request)
-        return starting, tuple(waiting)
+    def _drop(self, request: SwitchRequest, why: str) -> None:
+        """Let the reason stand in the state of its robots that a request is not served."""
+        part = self._part(request.robots)
+        reason = f"transition {request.id} to {request.stack!r} is dropped: {why}"
+        self._channels = tuple(
+            replace(each, reason=reason) if part.shares(each.part) else each
+            for each in self._channels
+        )
 
     def _begin(
-        self, request: SwitchRequest, kinematics: Kinematics, references: References, means: Means
+        self,
+        request: SwitchRequest,
+        first: Choice,
+        kinematics: Kinematics,
+        references: References,
+        means: Means,
     ) -> None:
         """Take a request's robots out of their channels, on to their way."""
-        part, tick = self._part(request.robots), kinematics.state.tick
+        part = self._part(request.robots)
         touched = [each for each in self._channels if part.shares(each.part)]
-        coupled = coupling(touched, part)
-        if coupled:
-            reason = f"transition {request.id} to {request.stack!r} is dropped: {coupled}"
-            self._channels = tuple(
-                replace(each, reason=reason) if each in touched else each for each in self._channels
-            )
-            return
         inside = [each.of(self._part(set(each.part.robots) & set(part.robots))) for each in touched]
         target = self._stacks[request.stack].of(part.robots)
         before = references_before(inside, references)
         moment = Moment(kinematics, references, before)
         whole = target is self._stacks[request.stack]
         level = target.first(kinematics, references) if whole else ()
-        asked = asked_of(target)
-        found = self._sources.first(request.id, request.at_tick, tick, level, asked)
-        assert found is not None
-        source, why = found
-        chi = self._sources.chi(source, request.id, target, moment)
-        goal = (part, target, whole)
-        channel = begun(inside, request, goal, (source, chi, why), moment, means)
+        choice = self._sources.checked(first, moment, level)
+        chi = self._sources.chi(choice, target, moment, means)
+        channel = begun(inside, request, (part, target, whole), (choice, chi), moment, means)
         others = without(self._channels, part.robots, self._part)
         self._channels = tuple(sorted([*others, channel], key=lambda each: each.part.robots))
 
-    def _needs(self, channel: Channel, tick: int) -> bool:
+    def _needs(self, channel: Channel, tick: int, revision: int | None) -> bool:
         """Return whether a channel in a blend waits for B's chi of this tick."""
         blend = channel.blend
-        if blend is None or blend.takes_over:
+        if blend is None or blend.alone:
             return False
-        if self._sources.fresh(blend.request.id, tick) is not None:
+        if self._sources.fresh(blend.request.id, tick, revision) is not None:
             return False
         # Once lost, B is waited for again only after it has been heard again.
         return blend.source is asked_of(blend.way.target) or self._sources.answered_since(

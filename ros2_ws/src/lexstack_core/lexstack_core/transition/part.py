@@ -24,12 +24,14 @@ class Part:
         columns: their joints in chi; a slice where they stand side by side.
         pieces: per piece of the columns, which no follow task couples with the others: its name,
             its columns, and these rows of the identity, shape (m, n).
+        team: that they belong to.
     """
 
     robots: tuple[int, ...]
     names: tuple[str, ...]
     columns: Columns
     pieces: tuple[tuple[str, slice, Matrix], ...]
+    team: Team
 
     @classmethod
     def of(cls, team: Team, robots: Iterable[int]) -> Part:
@@ -43,12 +45,12 @@ class Part:
             columns = slice(int(joints[0]), int(joints[-1]) + 1)
         if len(places) == len(team.robots):
             whole = ("follow_chi", slice(0, team.n), np.eye(team.n))
-            return cls(places, names, columns, (whole,))
+            return cls(places, names, columns, (whole,), team)
         pieces = tuple(
             (f"{name}/follow_chi", part, np.eye(part.stop - part.start, team.n, part.start))
             for name, part in zip(names, slices, strict=True)
         )
-        return cls(places, names, columns, pieces)
+        return cls(places, names, columns, pieces, team)
 
     def shares(self, other: Part) -> bool:
         """Return whether two parts have a robot in common."""

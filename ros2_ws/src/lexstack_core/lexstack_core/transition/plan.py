@@ -75,9 +75,11 @@ class Means:
         bounds: A's own box.
         before: A's box of the tick before; that of this tick where there is none.
         free: the box without acceleration limits, T(35).
-        solve: solves a further problem; its chi has shape (n,).
+        solve: solves a further problem; its chi has shape (n,). Where that fails, ``held``.
         limits: of the joints.
         dt: control period [s].
+        held: returns what the robots did, within the box, shape (n,); to be used in place of a
+            solution that failed, for the reason given, which is told.
     """
 
     bounds: Bounds
@@ -86,6 +88,7 @@ class Means:
     solve: Callable[[HqpProblem], Vector]
     limits: JointLimits
     dt: float
+    held: Callable[[str], Vector]
 
     @property
     def reach(self) -> Vector:

@@ -9,10 +9,13 @@ from typing import Protocol
 import numpy as np
 
 from lexstack_core.config.scenario import ScenarioConfig
+from lexstack_core.hqp import Solution
 from lexstack_core.linear import Vector
 from lexstack_core.model import Kinematics
 from lexstack_core.references import References
 from lexstack_core.stack import Stack
+from lexstack_core.transition.inbox import Inbox
+from lexstack_core.transition.plan import Means
 from lexstack_core.transition.status import Source, SourceSample
 from lexstack_core.transition.witness import Rows, Witness
 
@@ -22,8 +25,8 @@ _EVIDENCE = 10  # chi in a row that miss level 1, in realtime
 class LocalSource(Protocol):
     """A's own stand-in for robot B."""
 
-    def chi(self, stack: Stack, kinematics: Kinematics, references: References) -> Vector:
-        """Return the optimum of a stack, shape (n,), or zeros where it cannot be solved."""
+    def solve(self, stack: Stack, kinematics: Kinematics, references: References) -> Solution:
+        """Return the optimum of a stack, its chi of shape (n,); a failure is a value."""
         ...
 
     def at_rest(self, stack: Stack) -> Stack:
@@ -50,6 +53,32 @@ class Moment:
         """The tick's number."""
         return self.kinematics.state.tick
 
+    @property
+    def anew(self) -> bool:
+        """Whether targets took effect at this tick; a set-point that is led in is none."""
+        now, before = self.references, self.before
+        return now is not before and (now.revision != before.revision or not now.revision)
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Whom A follows at a tick.
+
+    Attributes:
+        source: whose chi.
+        why: the reason where it is not who was followed before, else ''.
+        sample: the chi of robot B or the MPC; None where A makes its own.
+    """
+
+    source: Source
+    why: str = ""
+    sample: SourceSample | None = None
+
+    @property
+    def revision(self) -> int | None:
+        """Of the references that the chi was solved with; None: not known."""
+        return None if self.sample is None else self.sample.revision
+
 
 class Sources:
     """Robot B as it is heard, and what stands in for it."""
@@ -58,62 +87,81 @@ class Sources:
         """Know the stand-in, and from the scenario when B counts as lost."""
         self._local = local
         self._lost = Source(scenario.transition.on_loss)
-        self._heard: dict[int, SourceSample] = {}  # the newest of each transition
+        self._inbox = Inbox()
         # In lockstep the wait has happened, on the wall's clock, before a tick is served.
         lockstep, timeouts = scenario.mode == "lockstep", scenario.timeouts
-        self._stale = 0 if lockstep else round(timeouts.source_stale * scenario.rate)
+        self._lockstep = lockstep
         self._patience = 0 if lockstep else round(timeouts.source_patience * scenario.rate)
-        self._witness = Witness(self._stale, 1 if lockstep else _EVIDENCE)
+        self.stale = 0 if lockstep else round(timeouts.source_stale * scenario.rate)
+        """The most ticks by which B's chi may be late."""
+        self._witness = Witness(self.stale, 1 if lockstep else _EVIDENCE)
 
     def hear(self, sample: SourceSample) -> None:
-        """Take robot B's newest chi of a transition."""
-        self._heard[sample.transition_id] = sample
+        """Take a chi of robot B; the newest by its tick counts, whenever it arrives."""
+        self._inbox.put(sample)
 
     def keep(self, transition_ids: Collection[int]) -> None:
         """Forget all other transitions."""
-        self._heard = {id_: heard for id_, heard in self._heard.items() if id_ in transition_ids}
+        self._inbox.keep(transition_ids)
         self._witness.keep(transition_ids)
 
-    def fresh(self, transition_id: int, tick: int) -> Vector | None:
-        """Return B's chi (n,) for a transition if it is new enough for this tick, else None."""
-        heard = self._heard.get(transition_id)
-        if heard is None or not heard.solved:
+    def fresh(
+        self, transition_id: int, tick: int, revision: int | None = None
+    ) -> SourceSample | None:
+        """Return B's chi for a transition if it is new enough for this tick, else None.
+
+        Args:
+            transition_id: of the request that it answers.
+            tick: the present one.
+            revision: of the references in effect at this tick; None: not known. In lockstep a chi
+                with another one is not of this tick; in realtime it is as old as its tick says.
+        """
+        heard = self._inbox.newest(transition_id, tick)
+        if heard is None or not heard.solved or tick - heard.tick > self.stale:
             return None
-        return heard.chi if 0 <= tick - heard.tick <= self._stale else None
+        if self._lockstep and None not in (revision, heard.revision):
+            return heard if heard.revision == revision else None
+        return heard
 
     def answered_since(self, transition_id: int, tick: int) -> bool:
         """Return whether B has solved for a transition at a later tick than this one."""
-        heard = self._heard.get(transition_id)
-        return heard is not None and heard.solved and heard.tick > tick
-
-    def wrong_by(self, transition_id: int, tick: int, level: Rows, *, anew: bool = False) -> float:
-        """Return by how much a source's chi misses what it says of level 1, 0 if it does not.
-
-        ``level`` is level 1 at this tick; without it there is nothing to compare. ``anew``: with
-        other references than at the tick before.
-        """
-        heard = self._heard.get(transition_id)
-        return 0.0 if heard is None else self._witness.miss(heard, tick, level, anew=anew)
+        return self._inbox.solved_since(transition_id, tick)
 
     def first(
         self,
         transition_id: int,
         asked_at: int,
         tick: int,
-        level: Rows = (),
+        revision: int | None = None,
         asked: Source = Source.ROBOT_B,
-    ) -> tuple[Source, str] | None:
-        """Return whom to follow into a new stack and why, or None while the wait goes on.
+    ) -> Choice | None:
+        """Return whom to follow into a new stack, or None while the wait goes on.
 
-        ``level`` is level 1 of the new stack at this tick, ``asked`` who is to solve it.
+        Args:
+            transition_id: of the request.
+            asked_at: the tick for which it was asked.
+            tick: the present one.
+            revision: of the references in effect; None: not known.
+            asked: who is to solve the stack.
         """
-        if self.fresh(transition_id, tick) is not None:
-            miss = self.wrong_by(transition_id, tick, level)
-            return (self._lost, _wrong(tick, miss, self._lost)) if miss else (asked, "")
+        sample = self.fresh(transition_id, tick, revision)
+        if sample is not None:
+            return Choice(asked, "", sample)
         if tick - asked_at >= self._patience:
             instead = _instead(self._lost, asked)
-            return self._lost, f"{asked.called} sent no chi by tick {tick}: {instead}"
+            return Choice(self._lost, f"{asked.called} sent no chi by tick {tick}: {instead}")
         return None
+
+    def checked(self, first: Choice, moment: Moment, level: Rows) -> Choice:
+        """Return the first choice, or A's own where the chi is not what it claims to be.
+
+        ``level`` is level 1 of the new stack at this tick; empty: there is nothing to compare with.
+        """
+        if first.sample is None:
+            return first
+        revision = moment.references.revision
+        miss = self._witness.miss(first.sample, moment.tick, level, revision=revision)
+        return Choice(self._lost, _wrong(moment.tick, miss, self._lost)) if miss else first
 
     def present(
         self,
@@ -122,38 +170,45 @@ class Sources:
         moment: Moment,
         level: Rows,
         asked: Source = Source.ROBOT_B,
-    ) -> tuple[Source, str]:
-        """Return whom to follow now, and why where it is no longer ``source``, else ''.
+    ) -> Choice:
+        """Return whom to follow now.
 
         ``level`` is level 1 of the new stack at this tick, ``asked`` who is to solve it.
         """
         tick, changed = moment.tick, source is not asked
-        if self.fresh(transition_id, tick) is not None:
-            anew = moment.references is not moment.before
-            miss = self.wrong_by(transition_id, tick, level, anew=anew)
+        revision = moment.references.revision
+        sample = self.fresh(transition_id, tick, revision)
+        if sample is not None:
+            miss = self._witness.miss(sample, tick, level, anew=moment.anew, revision=revision)
             if not miss:
-                return asked, f"{asked.called} is back at tick {tick}" if changed else ""
-            return (source, "") if changed else (self._lost, _wrong(tick, miss, self._lost))
-        if source is not asked:
-            return source, ""
-        heard = self._heard.get(transition_id)
+                back = f"{asked.called} is back at tick {tick}" if changed else ""
+                return Choice(asked, back, sample)
+            lost = Choice(self._lost, _wrong(tick, miss, self._lost))
+            return Choice(source) if changed else lost
+        if changed:
+            return Choice(source)
+        heard = self._inbox.newest(transition_id, tick)
         last = "nothing" if heard is None else f"tick {heard.tick}"
         instead = _instead(self._lost, asked)
-        lost = f"{asked.called} lost at tick {tick}, last heard {last}: {instead}"
-        return self._lost, lost
+        lost_at = f"{asked.called} lost at tick {tick}, last heard {last}: {instead}"
+        return Choice(self._lost, lost_at)
 
-    def chi(self, source: Source, transition_id: int, stack: Stack, moment: Moment) -> Vector:
-        """Return the chi of a source for this tick, shape (n,).
-
-        From robot B or the MPC it must be fresh: ``first`` and ``present`` choose it only then.
-        """
-        if source in (Source.ROBOT_B, Source.HTMPC):
-            fresh = self.fresh(transition_id, moment.tick)
-            assert fresh is not None
-            return fresh
-        if source is Source.LOCAL:
-            return self._local.chi(stack, moment.kinematics, moment.references)
+    def chi(self, choice: Choice, stack: Stack, moment: Moment, means: Means) -> Vector:
+        """Return the chi of who is followed at this tick, shape (n,)."""
+        if choice.sample is not None:
+            return choice.sample.chi
+        if choice.source is Source.LOCAL:
+            return self.own(stack, moment, means)
         return np.zeros_like(moment.kinematics.state.command)
+
+    def own(self, stack: Stack, moment: Moment, means: Means) -> Vector:
+        """Return A's own optimum of a stack, shape (n,).
+
+        Where it cannot be solved the robots hold what they do, and ``means`` tells of it.
+        """
+        solution = self._local.solve(stack, moment.kinematics, moment.references)
+        reason = "" if solution.solved else solution.reason
+        return means.held(f"stack {stack.name!r}: {reason}") if reason else solution.chi
 
     def at_rest(self, stack: Stack) -> Stack:
         """Return the stack that A adopts when it has come to minimum velocity."""

@@ -78,6 +78,7 @@ class SourceSample:
         robots: places in the team of those that it was solved for, the others' joints are 0; None:
             all that the stack moves.
         stack: that was solved, where only some robots were.
+        revision: of the references that it was solved with; None: not known.
     """
 
     transition_id: int
@@ -87,6 +88,7 @@ class SourceSample:
     slack: float | None = None
     robots: tuple[int, ...] | None = None
     stack: str = ""
+    revision: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

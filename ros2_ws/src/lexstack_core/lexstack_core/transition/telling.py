@@ -61,7 +61,7 @@ def told(
         blend.request.method,
         Phase.ABORTED if channel.aborted else phase,
         plan.alpha,
-        blend.request.duration,
+        blend.duration,
         gap,
         channel.aborted or channel.reason,
         names,

@@ -17,8 +17,9 @@ _ROUNDING = 1e-6  # relative and absolute, of the norm of level 1's residual
 class _Seen:
     """What is known of one transition."""
 
-    levels: dict[int, Rows] = field(default_factory=dict)  # level 1 of A's last ticks
-    clear: int = 0  # chi of earlier ticks are no evidence: they may have other references
+    # Level 1 of A's last ticks, and the revision of the references it was made with.
+    levels: dict[int, tuple[Rows, int | None]] = field(default_factory=dict)
+    clear: int = 0  # chi of earlier ticks may have other references
     judged: int = -1  # the last tick whose chi was compared
     misses: int = 0  # of the last chi, one after another
     miss: float = 0.0  # of the last one
@@ -46,15 +47,27 @@ class Witness:
         """Forget all other transitions."""
         self._seen = {id_: seen for id_, seen in self._seen.items() if id_ in transition_ids}
 
-    def miss(self, sample: SourceSample, tick: int, level: Rows, *, anew: bool = False) -> float:
+    def miss(
+        self,
+        sample: SourceSample,
+        tick: int,
+        level: Rows,
+        *,
+        anew: bool = False,
+        revision: int | None = None,
+    ) -> float:
         """Return by how much a source's chi misses what it says of level 1; 0: as far as known.
+
+        A chi is compared with the rows of its tick if both were made with the same revision of the
+        references. Where a revision is not known, or is another one, the chi is compared only
+        ``memory`` ticks after the references changed: by then the source must have the new ones.
 
         Args:
             sample: the newest chi of a transition.
             tick: the present one.
             level: level 1 at this tick; empty: there is nothing to compare with.
-            anew: whether the references are others than at the tick before. Where chi may be late,
-                they may have reached its source some ticks before or later: that is no evidence.
+            anew: whether other references are in effect than at the tick before.
+            revision: of the references with which ``level`` was made; None: not known.
         """
         if not level:
             return 0.0
@@ -62,12 +75,17 @@ class Witness:
         seen.levels = {
             at: rows for at, rows in seen.levels.items() if tick - self._memory <= at < tick
         }
-        seen.levels[tick] = level
+        seen.levels[tick] = level, revision
         if anew:
-            seen.clear, seen.misses = tick + self._memory, 0
+            seen.clear = tick + self._memory
+            # Chi that are known to have the old references stay evidence.
+            seen.misses = 0 if None in (revision, sample.revision) else seen.misses
         then = seen.levels.get(sample.tick)
-        if then is not None and sample.tick >= seen.clear and sample.tick != seen.judged:
-            seen.judged, seen.miss = sample.tick, _miss(sample, then)
+        if then is None or sample.tick == seen.judged:
+            return seen.miss if seen.misses >= self._patience else 0.0
+        same = sample.revision is not None and sample.revision == then[1]
+        if same or sample.tick >= seen.clear:
+            seen.judged, seen.miss = sample.tick, _miss(sample, then[0])
             seen.misses = seen.misses + 1 if seen.miss else 0
         return seen.miss if seen.misses >= self._patience else 0.0
 
