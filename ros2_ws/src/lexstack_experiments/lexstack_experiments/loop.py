@@ -137,7 +137,7 @@ class Loop:
         for robot in wanted.robots or range(len(self.parts.team.robots)):
             part = self.parts.team.slices[robot]
             chi[part] = solution.chi[part]
-        return sample_of(wanted, state.tick, solution)
+        return sample_of(wanted, state.tick, solution, references.revision)
 
     def _schedule_event(self, event: EventConfig) -> None:
         """Hand an event of the scenario to those whom it concerns."""
@@ -148,9 +148,12 @@ class Loop:
             self.controller.transition.ask(event.switch, event.duration, "", tick)
 
 
-def sample_of(wanted: Announcement, tick: int, solution: Solution) -> SourceSample:
-    """Return a solution as robot B sends it."""
-    return SourceSample(wanted.id, tick, solution.chi, solution.solved, float(solution.slacks[0]))
+def sample_of(
+    wanted: Announcement, tick: int, solution: Solution, revision: int | None = None
+) -> SourceSample:
+    """Return a solution as robot B sends it; ``revision`` is that of its references."""
+    slack = float(solution.slacks[0])
+    return SourceSample(wanted.id, tick, solution.chi, solution.solved, slack, revision=revision)
 
 
 def targets_of(event: EventConfig, team: Team) -> list[Target]:

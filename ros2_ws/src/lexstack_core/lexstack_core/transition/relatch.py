@@ -84,9 +84,7 @@ class Tally:
         return moment.anew or moment.tick - self.anew <= stale
 
 
-def level_jumps(
-    way: Way, level: tuple[LinearTask, ...], moment: Moment, means: Means
-) -> bool:
+def level_jumps(way: Way, level: tuple[LinearTask, ...], moment: Moment, means: Means) -> bool:
     """Return whether new references move level 1 by more than the joints follow in one tick.
 
     Less than that needs no bridge: a stream of small steps must not hold a transition up.
