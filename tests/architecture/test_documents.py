@@ -106,12 +106,12 @@ def test_the_results_of_a_run_are_taken_and_shown(tmp_path, monkeypatch):
     run = root / "runs/experiment-realism-1"
     run.mkdir(parents=True)
     content = json.loads((root / "docs/results/realism.json").read_text(encoding="utf-8"))
-    content["tables"][0]["rows"][0]["peak EE mm"] = 123.41234
+    content["tables"][0]["rows"][0]["peak EE mm"] = 123.4123456
     content["notes"] = ["none of the documents quotes this"]
     (run / "results.json").write_text(json.dumps(content), encoding="utf-8")
     assert documents.main(["--take", str(run)]) == 0
     kept = json.loads((root / "docs/results/realism.json").read_text(encoding="utf-8"))
-    assert kept["tables"][0]["rows"][0]["peak EE mm"] == 123.4
+    assert kept["tables"][0]["rows"][0]["peak EE mm"] == 123.412
     assert "notes" not in kept
     assert "| 123 |" in (root / "docs/experiments.md").read_text(encoding="utf-8")
 

@@ -5,13 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from lexstack_experiments.documents import realism, transition_sequence
+from lexstack_experiments.documents import (
+    mobile,
+    obstacle,
+    realism,
+    sudden_limits,
+    transition_methods,
+    transition_sequence,
+)
 from lexstack_experiments.documents.store import Store
 from lexstack_experiments.experiments import EXPERIMENTS
 
 Field = Callable[[], str]
 
-_FROM_RESULTS: dict[str, Callable[[Store], str]] = {**realism.FIELDS, **transition_sequence.FIELDS}
+_FROM_RESULTS: dict[str, Callable[[Store], str]] = {
+    **mobile.FIELDS,
+    **obstacle.FIELDS,
+    **realism.FIELDS,
+    **sudden_limits.FIELDS,
+    **transition_methods.FIELDS,
+    **transition_sequence.FIELDS,
+}
 
 
 def fields_of(store: Store) -> dict[str, Field]:

@@ -10,7 +10,9 @@ from typing import Any
 from lexstack_core.errors import ConfigurationError
 
 _KEPT = ("name", "seed", "cases", "commit", "machine", "setup", "figures", "tables")
-_DIGITS = 4  # significant ones; no document quotes more
+# Tables that no document quotes are left out, by their places.
+_QUOTED_TABLES = {"transition-methods": slice(1, None)}
+_DIGITS = 6  # significant ones: more than documents show, so nothing is rounded twice
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +76,7 @@ class Store:
             kept = {key: _short(content[key]) for key in _KEPT}
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise ConfigurationError(f"{path}: no results of an experiment: {error}") from error
+        kept["tables"] = kept["tables"][_QUOTED_TABLES.get(kept["name"], slice(None))]
         target = self._folder / f"{kept['name']}.json"
         self._folder.mkdir(parents=True, exist_ok=True)
         text = json.dumps(kept, indent=1, allow_nan=False, ensure_ascii=False)
