@@ -147,6 +147,7 @@ def refused(run):
     }
     for text, fields in cases.items():
         goal = ExecuteSequence.Goal(**{"robot": "robot_a", "at_tick": 50, **fields})
+        time.sleep(0.1)  # not a flood: of that the log tells a part
         assert not spun(run, client.send_goal_async(goal)).accepted
         assert f"refused: {ACTION}: " in logged(run, text)
 

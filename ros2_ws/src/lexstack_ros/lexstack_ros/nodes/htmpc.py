@@ -36,6 +36,7 @@ from lexstack_ros.sequence_changes import SequenceChanges, Wish
 from lexstack_ros.spin import beside, run_node
 
 ACTION = "/htmpc/execute_sequence"
+_THROTTLE = 0.05  # s: a flood of goals is no flood of lines
 
 
 class HtmpcNode(Node):
@@ -93,7 +94,8 @@ class HtmpcNode(Node):
         except InputError as error:
             # The action's answer has no room for the reason.
             self._states.note_refusal(InputError(f"{ACTION}: {error}"))
-            self.get_logger().warning(f"refused: {ACTION}: {error}")
+            log = self.get_logger()
+            log.warning(f"refused: {ACTION}: {error}", throttle_duration_sec=_THROTTLE)
             return GoalResponse.REJECT
         self._wanted = wanted  # rclpy calls _on_goal next, before anything else
         return GoalResponse.ACCEPT
