@@ -24,6 +24,7 @@ from lexstack_core.htmpc import SequenceTask
 from lexstack_experiments.planned_loop import PlannedLoop
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import SequenceStatus, TransitionStatus
+from lexstack_interfaces.srv import ChangeSequence
 from lexstack_ros.bringup import PLANNERS
 from lexstack_ros.plan_conversions import task_message
 from lexstack_ros.qos import STREAM
@@ -199,6 +200,8 @@ class KillAndAskAgain:
         self.run, self.killed, self.again = run, 0, None
         self.asked = self.cancelled = -np.inf  # s
         self.client = ActionClient(run.player, ExecuteSequence, ACTION)
+        self.changes = run.player.create_client(ChangeSequence, "/htmpc/change_sequence")
+        self.change = None
         self.release = run.player.create_publisher(String, "/htmpc/release", STREAM)
         self.handles, self.results, self.seen = {}, {}, Counter()
 
@@ -214,6 +217,10 @@ class KillAndAskAgain:
         if not self.killed or player.tick < self.killed + 215 or not self.again.printed(READY):
             return
         self.go_on(len(self.handles))
+        if self.seen["wait"] > 5 and self.change is None:
+            high = task_message(SequenceTask("up", "ee_position", ((0.0, 0.0, 4.0),)))
+            request = ChangeSequence.Request(change=ChangeSequence.Request.INSERT, task=high)
+            self.change = self.changes.call_async(request)
         if self.seen["wait"] > 20:
             self.release.publish(String(data="robot_a/wait"))
         if 2 in self.results and player.transition.to_stack == "posture":
@@ -277,3 +284,5 @@ def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequences_are_taken(tmp_p
     ]
     assert (results[2].success, results[2].done) == (True, 2)
     assert watch.seen["wait"] > 20, "held until released by topic"
+    assert not watch.change.result().accepted
+    assert "task 'up': points[0]: out of reach" in watch.change.result().message

@@ -8,6 +8,7 @@ import yaml
 from lexstack_core.build import Parts, build_controller
 from lexstack_core.checked import checked
 from lexstack_core.config.resolved import ResolvedScenario, load_scenario
+from lexstack_core.config.stack import LevelConfig
 from lexstack_core.errors import ConfigurationError
 from support.scenario import SCENARIO
 from support.stack_files import HEAD, LEVELS, folder
@@ -90,6 +91,17 @@ def test_parts_are_built_without_a_check_before(case):
     parts = Parts.of(load_scenario(path))
     assert "mine" in parts.unfit
     assert "mine" not in parts.stacks
+
+
+def test_where_every_stack_must_fit_a_wrong_one_is_an_error():
+    base = load_scenario(SCENARIO)
+    (task,) = base.stacks["posture"].levels[-1].tasks
+    level = LevelConfig((replace(task, parameters={"gain": -1.0}),))
+    wrong = replace(base.stacks["posture"], levels=(level,))
+    changed = replace(base, stacks={**base.stacks, "confined": replace(wrong, name="confined")})
+    assert "confined" in Parts.of(changed).unfit
+    with pytest.raises(ConfigurationError, match=r"stacks/confined\.yaml: levels\[0\].*gain"):
+        Parts.of(changed, every=True)
 
 
 @pytest.mark.parametrize("line", ["initial_stack: track", "switch: track"])

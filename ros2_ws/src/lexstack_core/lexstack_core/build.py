@@ -34,15 +34,18 @@ class Parts:
     unfit: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, resolved: ResolvedScenario, folder: str = "config") -> Parts:
+    def of(
+        cls, resolved: ResolvedScenario, folder: str = "config", *, every: bool = False
+    ) -> Parts:
         """Build team and stacks; leave out a stack that does not fit, unless the scenario names it.
 
         Args:
             resolved: the scenario.
             folder: of the configuration, for the texts of errors.
+            every: whether all stacks of the scenario must fit, as in one that has run already.
 
         Raises:
-            ConfigurationError: a stack that the scenario names does not fit its robots.
+            ConfigurationError: a stack that must fit does not fit the robots.
             ModelError: a robot cannot be built.
         """
         team = Team.from_scenario(resolved)
@@ -52,7 +55,7 @@ class Parts:
             try:
                 stacks[name] = build_stack(config, team, f"config/{file}")
             except ConfigurationError as error:
-                if name in resolved.scenario.stacks_named:
+                if every or name in resolved.scenario.stacks_named:
                     text = str(error).removeprefix(f"config/{file}")
                     raise ConfigurationError(f"{folder}/{file}{text}") from error
                 unfit[name] = str(error)

@@ -110,6 +110,16 @@ class SequenceRunner:
         names = ", ".join(task.name for task in known) or "none"
         raise InputError(f"sequence: unknown task {name!r}; known: {names}")
 
+    def task_after(self, change: Change) -> SequenceTask | None:
+        """Return the task with a new goal after a change, or None where no goal is new.
+
+        Raises:
+            InputError: the task is unknown, or cannot be as it would be.
+        """
+        if change.kind == "retarget":
+            return replace(self.task(change.name), points=change.points)
+        return change.task if change.kind == "insert" else None
+
     def change(self, change: Change, state: RobotState) -> None:
         """Change the sequence at a state; raises InputError, and then nothing has changed."""
         sequence, present = self.sequence, self.present(state)

@@ -150,10 +150,7 @@ class HtmpcNode(Node):
 
     def _check_change(self, robot: int, change: Change) -> None:
         """Raise InputError for a change after which a task could not be met."""
-        runner = self._runners[robot]
-        task = change.task
-        if change.kind == "retarget":
-            task = replace(runner.task(change.name), points=change.points)
+        task = self._runners[robot].task_after(change)
         if task is not None:
             # Where the base will stand then is not known: the whole robot may serve the task.
             self._reach[robot].check([task], "ht")
