@@ -11,7 +11,7 @@ from lexstack_core.errors import ConfigurationError
 
 _KEPT = ("name", "seed", "cases", "commit", "machine", "setup", "figures", "tables")
 # Tables that no document quotes are left out, by their places.
-_QUOTED_TABLES = {"transition-methods": slice(1, None)}
+_QUOTED_TABLES = {"transition-methods": slice(1, None), "reactivity": slice(0, 0)}
 _DIGITS = 6  # significant ones: more than documents show, so nothing is rounded twice
 
 
