@@ -79,10 +79,28 @@ class Reach:
         for center, radius in zip(self._centers, self._radii, strict=True):
             if np.linalg.norm(goal[:3] - center) + task.tolerance < radius:
                 return "it is inside an obstacle"
-        turned = task.kind == "ee_pose"
-        desired = Pose(goal[:3], from_quaternions(goal[None, 3:])[0] if turned else np.eye(3))
+        desired = goal[:3], np.eye(3)
+        if task.kind == "ee_pose":
+            # From one place of the base six equations stand against six or seven joints, and the
+            # search may miss the way there. What it finds for the place of the tool alone, and for
+            # the pose with a free base, is sure; both must be met.
+            place = "" if base is None else self._missed(desired, task, base, turned=False)
+            desired = goal[:3], from_quaternions(goal[None, 3:])[0]
+            return place or self._missed(desired, task, None, turned=True)
+        return self._missed(desired, task, base, turned=False)
+
+    def _missed(
+        self,
+        desired: tuple[Vector, Vector],
+        task: SequenceTask,
+        base: Place | None,
+        *,
+        turned: bool,
+    ) -> str:
+        """Return by how much the tool misses a position and, if ``turned``, a rotation; or ''."""
+        pose = Pose(*desired)
         allowed = (task.tolerance + _SLACK, task.tolerance_angle + _SLACK)
-        distance, angle = self._least(desired, allowed, base, turned=turned)
+        distance, angle = self._least(pose, allowed, base, turned=turned)
         if distance < allowed[0] and angle < allowed[1]:
             return ""
         from_here = "" if base is None else f" with the base at ({base[0]:.2f}, {base[1]:.2f}) m"
