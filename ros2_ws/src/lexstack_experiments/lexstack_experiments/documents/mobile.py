@@ -142,6 +142,7 @@ def _time(value: float) -> str:
 FIELDS = {
     "waypoint-path.table": _waypoints,
     "delivery.table": _deliveries,
+    "delivery.ratio": lambda store: digits(store["delivery"].rows()[0]["ST / HT"], 2),
     "lexicographic-constraints.goals": _tool,
     "lexicographic-constraints.table": _constraints,
     "reactivity.table": _reactions,
