@@ -24,6 +24,7 @@ from lexstack_core.htmpc import SequenceTask
 from lexstack_experiments.planned_loop import PlannedLoop
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import SequenceStatus, TransitionStatus
+from lexstack_interfaces.srv import ChangeSequence
 from lexstack_ros.bringup import PLANNERS
 from lexstack_ros.plan_conversions import task_message
 from lexstack_ros.qos import STREAM
@@ -129,12 +130,13 @@ def test_metrics_and_report_tell_of_the_sequences(delivery):
 
 
 def refused(run):
-    """Send goals that cannot be; each is answered with the reason."""
+    """Send goals that cannot be met; each is refused, and the node's log says why."""
     client = ActionClient(run.player, ExecuteSequence, ACTION)
     assert client.wait_for_server(timeout_sec=10.0)
     good = task_message(SequenceTask("give", "ee_position", ((1.0, 0.0, 1.0),)))
     wrong = task_message(SequenceTask("give", "ee_position", ((1.0, 0.0, 1.0),)))
     wrong.kind = "tail"
+    high = task_message(SequenceTask("up", "ee_position", ((1.0, 0.0, 4.0),)))
     cases = {
         "robot: unknown 'robot_x'": {"robot": "robot_x", "tasks": [good]},
         "tasks: expected 1 to": {"tasks": []},
@@ -142,13 +144,25 @@ def refused(run):
         "architecture: unknown": {"tasks": [good], "architecture": "xx"},
         "at_tick: must be given": {"tasks": [good], "at_tick": 0},
         "two tasks have the name": {"tasks": [good, good]},
+        "task 'up': points[0]: out of reach": {"tasks": [good, high]},
     }
     for text, fields in cases.items():
         goal = ExecuteSequence.Goal(**{"robot": "robot_a", "at_tick": 50, **fields})
-        handle = spun(run, client.send_goal_async(goal))
-        result = spun(run, handle.get_result_async()).result
-        assert not result.success
-        assert text in result.message
+        time.sleep(0.1)  # not a flood: of that the log tells a part
+        assert not spun(run, client.send_goal_async(goal)).accepted
+        assert f"refused: {ACTION}: " in logged(run, text)
+
+
+def logged(run, text):
+    """Return the line of the HTMPC's log with a text; it may take a moment to be written."""
+    end = time.monotonic() + 10.0
+    while time.monotonic() < end:
+        lines = (run.out / "logs/htmpc.log").read_text(encoding="utf-8").splitlines()
+        found = [line for line in lines if text in line]
+        if found:
+            return found[-1]
+        time.sleep(0.05)
+    raise AssertionError(f"not in the log: {text}")
 
 
 def spun(run, future):
@@ -186,6 +200,8 @@ class KillAndAskAgain:
         self.run, self.killed, self.again = run, 0, None
         self.asked = self.cancelled = -np.inf  # s
         self.client = ActionClient(run.player, ExecuteSequence, ACTION)
+        self.changes = run.player.create_client(ChangeSequence, "/htmpc/change_sequence")
+        self.change = None
         self.release = run.player.create_publisher(String, "/htmpc/release", STREAM)
         self.handles, self.results, self.seen = {}, {}, Counter()
 
@@ -201,6 +217,10 @@ class KillAndAskAgain:
         if not self.killed or player.tick < self.killed + 215 or not self.again.printed(READY):
             return
         self.go_on(len(self.handles))
+        if self.seen["wait"] > 5 and self.change is None:
+            high = task_message(SequenceTask("up", "ee_position", ((0.0, 0.0, 4.0),)))
+            request = ChangeSequence.Request(change=ChangeSequence.Request.INSERT, task=high)
+            self.change = self.changes.call_async(request)
         if self.seen["wait"] > 20:
             self.release.publish(String(data="robot_a/wait"))
         if 2 in self.results and player.transition.to_stack == "posture":
@@ -229,18 +249,15 @@ class KillAndAskAgain:
         self.seen[status.task] += status.task != "wait" or status.error < 0.05
 
     def accepted(self, number, future):
-        """Wait for the result."""
+        """Wait for the result; a goal that came too late for its tick is asked for again."""
         self.asked = -np.inf
-        self.handles[number] = future.result()
-        future.result().get_result_async().add_done_callback(partial(self.ended, number))
+        if future.result().accepted:
+            self.handles[number] = future.result()
+            future.result().get_result_async().add_done_callback(partial(self.ended, number))
 
     def ended(self, number, future):
-        """Keep the result; where ticks went faster than the goal, ask again."""
-        result = future.result().result
-        if "too early" in result.message:
-            del self.handles[number]
-        else:
-            self.results[number] = result
+        """Keep the result."""
+        self.results[number] = future.result().result
 
 
 def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequences_are_taken(tmp_path):
@@ -267,3 +284,5 @@ def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequences_are_taken(tmp_p
     ]
     assert (results[2].success, results[2].done) == (True, 2)
     assert watch.seen["wait"] > 20, "held until released by topic"
+    assert not watch.change.result().accepted
+    assert "task 'up': points[0]: out of reach" in watch.change.result().message

@@ -1,28 +1,18 @@
 """Stacks that move some of the robots: read, built, cut, joined and solved."""
 
-import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from lexstack_core.build import build_references, build_stack_solver
+from lexstack_core.config.available import load_stack
 from lexstack_core.config.resolved import load_scenario
 from lexstack_core.errors import ConfigurationError
 from lexstack_core.stack import joined
 from support.channels import parts, with_single_stacks
-from support.scenario import CONFIG, SCENARIO, home, random_q, state_at, team
-
-HEAD = "name: some\ndescription: d\n"
-LEVELS = "levels:\n  - tasks:\n      - type: minimum_velocity\n"
-
-
-def folder(tmp_path, **files):
-    """Return a scenario's file in a copy of the configuration, with more stacks or other text."""
-    shutil.copytree(CONFIG, tmp_path / "config")
-    for name, text in files.items():
-        (tmp_path / "config" / "stacks" / f"{name}.yaml").write_text(text, encoding="utf-8")
-    return tmp_path / "config" / "scenarios" / SCENARIO.name
+from support.scenario import CONFIG, home, random_q, state_at, team
+from support.stack_files import HEAD, LEVELS, folder
 
 
 def test_a_stack_moves_the_robots_that_it_names():
@@ -87,7 +77,8 @@ def test_a_scenario_that_wants_such_a_stack_is_refused(tmp_path, line, message):
 def test_a_stack_that_contradicts_itself_is_refused(tmp_path, text, message):
     path = folder(tmp_path, some=HEAD + text)
     with pytest.raises(ConfigurationError, match=message):
-        load_scenario(path)
+        load_stack(path.parent.parent / "stacks" / "some.yaml")
+    assert message in load_scenario(path).unfit["some"]
 
 
 def test_the_initial_stack_moves_all_robots():

@@ -161,6 +161,18 @@ def test_a_wrong_change_is_refused_and_changes_nothing(runner, change, message):
     assert runner.sequence is before
 
 
+def test_a_change_names_the_task_with_its_new_goal(runner):
+    start(runner)
+    moved = runner.task_after(Change("retarget", "give", ((1.0, 0.0, 4.0),)))
+    assert moved == dataclasses.replace(runner.task("give"), points=((1.0, 0.0, 4.0),))
+    more = dataclasses.replace(GIVE, name="more")
+    assert runner.task_after(Change("insert", "more", task=more)) == more
+    assert runner.task_after(Change("release", "give")) is None
+    assert runner.task_after(Change("cancel", "give")) is None
+    with pytest.raises(InputError, match="unknown task 'x'"):
+        runner.task_after(Change("retarget", "x", ((0.0, 0.0, 0.0),)))
+
+
 def test_without_a_sequence_there_is_nothing_to_plan_or_change(runner):
     state = start(runner)
     runner.end()

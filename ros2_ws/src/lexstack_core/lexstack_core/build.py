@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.controller import Controller
+from lexstack_core.errors import ConfigurationError
 from lexstack_core.hqp import SolverFactory, make_solver
 from lexstack_core.in_force import BoxLaw, LimitOptions, LimitsInForce
 from lexstack_core.model import Team
@@ -17,18 +19,47 @@ from lexstack_core.transition.machine import Transition
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """What a scenario's controllers share: built anew for each of them."""
+    """What a scenario's controllers share: built anew for each of them.
+
+    Attributes:
+        team: the robots.
+        stacks: that can be asked for, by name.
+        dt: control period [s].
+        unfit: why the other stacks of the configuration cannot be asked for, by name.
+    """
 
     team: Team
     stacks: dict[str, Stack]
     dt: float
+    unfit: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, resolved: ResolvedScenario) -> Parts:
-        """Build team and stacks; raises ConfigurationError or ModelError."""
+    def of(
+        cls, resolved: ResolvedScenario, folder: str = "config", *, every: bool = False
+    ) -> Parts:
+        """Build team and stacks; leave out a stack that does not fit, unless the scenario names it.
+
+        Args:
+            resolved: the scenario.
+            folder: of the configuration, for the texts of errors.
+            every: whether all stacks of the scenario must fit, as in one that has run already.
+
+        Raises:
+            ConfigurationError: a stack that must fit does not fit the robots.
+            ModelError: a robot cannot be built.
+        """
         team = Team.from_scenario(resolved)
-        stacks = {name: build_stack(config, team) for name, config in resolved.stacks.items()}
-        return cls(team, stacks, 1.0 / resolved.scenario.rate)
+        stacks, unfit = {}, dict(resolved.unfit)
+        for name, config in resolved.stacks.items():
+            file = f"stacks/{name}.yaml"
+            try:
+                stacks[name] = build_stack(config, team, f"config/{file}")
+            except ConfigurationError as error:
+                if every or name in resolved.scenario.stacks_named:
+                    text = str(error).removeprefix(f"config/{file}")
+                    raise ConfigurationError(f"{folder}/{file}{text}") from error
+                unfit[name] = str(error)
+        return cls(team, stacks, 1.0 / resolved.scenario.rate, unfit)
 
 
 def build_references(resolved: ResolvedScenario, team: Team) -> ReferenceSchedule:
@@ -62,7 +93,7 @@ def build_controller(
     return Controller(
         parts.team,
         build_references(resolved, parts.team),
-        Transition(parts.stacks, local, resolved.scenario, parts.team),
+        Transition(parts.stacks, local, resolved.scenario, parts.team, parts.unfit),
         solver() if solver else make_solver(resolved.scenario.solver),
         box or build_limits(resolved, parts),
     )

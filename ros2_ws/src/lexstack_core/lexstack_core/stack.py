@@ -137,21 +137,30 @@ def _joined_limits(stacks: Sequence[Stack], team: Team | None) -> JointLimits | 
     return JointLimits(**values)
 
 
-def build_stack(config: StackConfig, team: Team) -> Stack:
-    """Return a configured stack for a team; raises ConfigurationError naming stack and level."""
+def build_stack(config: StackConfig, team: Team, where: str = "") -> Stack:
+    """Return a configured stack for a team.
+
+    Args:
+        config: the stack.
+        team: the robots.
+        where: what names it in errors, its file; empty: by its name.
+
+    Raises:
+        ConfigurationError: it does not fit these robots; the text names the place.
+    """
+    where = where or f"stack {config.name}"
     levels = []
     robots = tuple(sorted(team.index(name) for name in config.robots or team.names))
     for i, level in enumerate(config.levels):
         tasks: list[Task] = []
         scales: list[float] = []
         for j, task in enumerate(level.tasks):
-            where = f"stack {config.name}: levels[{i}].tasks[{j}]"
-            built = _build_tasks(task, team, where, robots)
+            built = _build_tasks(task, team, f"{where}: levels[{i}].tasks[{j}]", robots)
             tasks += built
             scales += [float(np.sqrt(task.weight))] * len(built)
         levels.append(Level(tuple(tasks), tuple(scales)))
-    _check_names(config.name, levels)
-    limits, planned = _build_limits(config, team), config.source == "htmpc"
+    _check_names(where, levels)
+    limits, planned = _build_limits(config, team, where), config.source == "htmpc"
     return Stack(config.name, tuple(levels), limits, robots, planned)
 
 
@@ -165,20 +174,20 @@ def _build_tasks(config: TaskConfig, team: Team, where: str, everyone: Sequence[
     return [make(team, robot, config.parameters, f"{where}: parameters") for robot in robots]
 
 
-def _build_limits(config: StackConfig, team: Team) -> JointLimits | None:
+def _build_limits(config: StackConfig, team: Team, where: str) -> JointLimits | None:
     """Return the limits of all joints, shape (n,) each, or None where the file has none."""
     if not config.limits:
         return None
     values = {name: getattr(team.limits, name).copy() for name in _LIMITS}
     for robot, joints in config.limits.items():
-        where = f"stack {config.name}: limits"
-        _known(where, "robot", robot, team.names)
-        place = team.index(robot)
+        place = f"{where}: limits"
+        _known(place, "robot", robot, team.names)
+        number = team.index(robot)
         for joint, limit in joints.items():
-            _known(f"{where}.{robot}", "joint", joint, team.robots[place].joints)
-            i = team.slices[place].start + team.robots[place].joints.index(joint)
+            _known(f"{place}.{robot}", "joint", joint, team.robots[number].joints)
+            i = team.slices[number].start + team.robots[number].joints.index(joint)
             for name, value in _given(limit).items():
-                _check_within(f"{where}.{robot}.{joint}", name, value, values[name][i])
+                _check_within(f"{place}.{robot}.{joint}", name, value, values[name][i])
                 values[name][i] = value
     return JointLimits(**values)
 
@@ -205,12 +214,12 @@ def _known(where: str, kind: str, name: str, known: tuple[str, ...]) -> None:
         raise ConfigurationError(f"{where}: unknown {kind} {shown(name)}; known: {listed}")
 
 
-def _check_names(stack: str, levels: list[Level]) -> None:
+def _check_names(where: str, levels: list[Level]) -> None:
     """Raise ConfigurationError where a task stands twice in a stack."""
     names = [task.name for level in levels for task in level.tasks]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise ConfigurationError(f"stack {stack}: task {twice!r} stands in it twice")
+        raise ConfigurationError(f"{where}: task {twice!r} stands in it twice")
 
 
 def _scaled(task: LinearTask, scale: float) -> LinearTask:

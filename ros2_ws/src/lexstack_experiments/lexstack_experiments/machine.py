@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import os
 import platform
+import subprocess
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 _PACKAGES = ("numpy", "scipy", "pin", "daqp", "proxsuite", "mujoco")
 
@@ -38,3 +41,20 @@ def _version(package: str) -> str:
         return version(package)
     except PackageNotFoundError:
         return "not installed"
+
+
+@cache
+def commit_here() -> str:
+    """Return the commit of this source, with a plus sign where files differ; '' without git."""
+    git = ["git", "-C", str(Path(__file__).resolve().parent)]
+    try:
+        commit = _told([*git, "rev-parse", "--short=10", "HEAD"])
+        return commit + "+" * bool(_told([*git, "status", "--porcelain", "-uno"]))
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+
+
+def _told(command: list[str]) -> str:
+    """Return what a command prints."""
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return done.stdout.strip()

@@ -9,6 +9,7 @@ import numpy as np
 
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.config.sequence import SequenceChangeConfig
+from lexstack_core.config.stack import plan_stack
 from lexstack_core.controller import Command
 from lexstack_core.errors import InputError
 from lexstack_core.htmpc import SequenceTask
@@ -90,7 +91,7 @@ class PlannedLoop(Loop):
         begin = tick - tick % self._every
         job = _Job(name, robot, tasks_of(config), config.architecture, begin)
         self._jobs.append(job)
-        self._ask(f"plan_{config.robot}", robot, tick)
+        self._ask(plan_stack(config.robot), robot, tick)
         if robot not in self._runners:
             scenario = self.resolved.scenario
             parameters = self.resolved.htmpc[scenario.htmpc.parameters]

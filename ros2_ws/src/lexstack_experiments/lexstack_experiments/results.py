@@ -7,7 +7,7 @@ import math
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-from lexstack_experiments.machine import Machine
+from lexstack_experiments.machine import Machine, commit_here
 
 Cell = str | float | int | None
 """A cell of a table; None where a row has no such figure."""
@@ -108,6 +108,7 @@ class Results:
         setup: what else was chosen, e.g. the control period, in units that its keys name.
         notes: what a reader of the table must know, in whole sentences.
         machine: what it ran on.
+        commit: of the source that ran; with a plus sign where files differed from it.
     """
 
     name: str
@@ -118,6 +119,7 @@ class Results:
     setup: dict[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     machine: Machine = field(default_factory=Machine.here)
+    commit: str = field(default_factory=commit_here)
 
     @property
     def goals(self) -> tuple[Figure, ...]:

@@ -11,6 +11,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from lexstack_core.config.resolved import ResolvedScenario
+from lexstack_core.config.stack import plan_stack
+from lexstack_core.errors import InputError
 from lexstack_core.model import Team
 from lexstack_core.stack import AT_REST
 from lexstack_interfaces.msg import TransitionStatus
@@ -26,11 +28,6 @@ OnAnswer = Callable[[Job, bool, str], None]
 """Called with the job, whether it was asked to go back, and why it was refused, or ''."""
 
 
-def plan_stack(robot: str) -> str:
-    """Return the name of the stack on which a robot follows the HTMPC's plan."""
-    return f"plan_{robot}"
-
-
 class Following:
     """Asks robot A by the service that all users have, and hears what became of it."""
 
@@ -41,6 +38,7 @@ class Following:
         self._node = node
         self._team = team
         self._known = resolved.stacks
+        self._unfit = resolved.unfit
         self._initial = resolved.scenario.initial_stack
         self._blend = resolved.scenario.transition.duration
         self._on_answer = on_answer
@@ -59,6 +57,13 @@ class Following:
     def stack(self, robot: int) -> str:
         """Return the stack that a robot is on, or goes to; '' before robot A was heard."""
         return self._now.get(self._team.names[robot], "")
+
+    def check(self, robot: str) -> None:
+        """Raise InputError where a robot has no stack to follow a plan on."""
+        stack = plan_stack(robot)
+        if stack not in self._known:
+            why = self._unfit.get(stack, "there is no such stack")
+            raise InputError(f"robot: {robot} has no stack {stack!r} to follow a plan on: {why}")
 
     def begin(self, job: Job) -> None:
         """Ask robot A to follow the plan from the job's tick on, and note where to go back to."""

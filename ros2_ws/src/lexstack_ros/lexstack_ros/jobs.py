@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
+import numpy as np
 from rclpy.action.server import ActionServer, ServerGoalHandle
 
 from lexstack_core.config.checks import shown
@@ -20,6 +22,7 @@ from lexstack_interfaces.msg import SequenceStatus
 from lexstack_ros.plan_conversions import to_tasks
 
 _ROUNDS = 2  # plans until a goal for now begins
+_RESTS = 1e-3  # m/s, rad/s: a base that is slower stays where it is
 
 
 class Stage(Enum):
@@ -46,6 +49,25 @@ class GoalServer(ActionServer):
         super().notify_execute(handle, None)
 
 
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """A goal that can be: what it asks for, checked.
+
+    Attributes:
+        robot: its place in the team.
+        tasks: of the sequence.
+        architecture: ht or st.
+        at_tick: the tick at which robot A begins to follow.
+        begin: the tick of the first plan.
+    """
+
+    robot: int
+    tasks: tuple[SequenceTask, ...]
+    architecture: str
+    at_tick: int
+    begin: int
+
+
 class Job:
     """A goal under way.
 
@@ -55,7 +77,6 @@ class Job:
         architecture: ht or st.
         at_tick: the tick at which robot A begins to follow.
         begin: the tick of the first plan.
-        refusal: why the goal cannot be, or ''.
         origin: the stack that robot A goes back to.
         stage: how far it is.
         followed: whether robot A has been seen following this job's plan.
@@ -63,19 +84,10 @@ class Job:
         on_end: called once, when the result is there.
     """
 
-    def __init__(
-        self,
-        handle: ServerGoalHandle,
-        goal: tuple[int, tuple[SequenceTask, ...], str],
-        at_tick: int,
-        every: int,
-        refusal: str = "",
-    ) -> None:
-        """Keep a goal (robot, tasks and architecture), of which a plan comes ``every`` ticks."""
-        self.robot, self.tasks, self.architecture = goal
-        self.at_tick = at_tick
-        self.begin = at_tick - at_tick % every
-        self.refusal = refusal
+    def __init__(self, handle: ServerGoalHandle, goal: Wanted) -> None:
+        """Keep a goal that was accepted."""
+        self.robot, self.tasks, self.architecture = goal.robot, goal.tasks, goal.architecture
+        self.at_tick, self.begin = goal.at_tick, goal.begin
         self.origin = ""
         self.stage = Stage.ASKED
         self.followed = False
@@ -114,32 +126,45 @@ class Job:
         self.on_end(self._handle)
 
 
-def job_of(handle: ServerGoalHandle, team: Team, state: RobotState | None, every: int) -> Job:
-    """Return the job of a goal; one that cannot be has a refusal.
+def wanted_of(
+    goal: ExecuteSequence.Goal, team: Team, state: RobotState | None, every: int
+) -> Wanted:
+    """Return what a goal asks for; raises InputError for one that cannot be.
 
     Args:
-        handle: of the goal.
+        goal: the message.
         team: the robots.
         state: the newest one.
         every: ticks from plan to plan.
     """
-    goal = handle.request
-    try:
-        if state is None and not goal.at_tick:
-            raise InputError("at_tick: must be given, as no state of the plant has come yet")
-        if goal.robot not in team.names:
-            known = ", ".join(team.names)
-            raise InputError(f"robot: unknown {shown(goal.robot)}; known: {known}")
-        architecture = goal.architecture or "ht"
-        if architecture not in ARCHITECTURES:
-            known = ", ".join(ARCHITECTURES)
-            raise InputError(f"architecture: unknown {shown(architecture)}; known: {known}")
-        tasks = to_tasks(goal.tasks, "goal")
-        check_tasks(tasks)
-        now = -1 if state is None else state.tick
-        at_tick = int(goal.at_tick) or (now // every + _ROUNDS) * every
-        if at_tick - at_tick % every <= now:
-            raise InputError(f"at_tick: {at_tick} is too early; the present tick is {now}")
-        return Job(handle, (team.names.index(goal.robot), tasks, architecture), at_tick, every)
-    except InputError as error:
-        return Job(handle, (0, (), ""), 0, every, str(error))
+    if state is None and not goal.at_tick:
+        raise InputError("at_tick: must be given, as no state of the plant has come yet")
+    if goal.robot not in team.names:
+        known = ", ".join(team.names)
+        raise InputError(f"robot: unknown {shown(goal.robot)}; known: {known}")
+    robot = team.names.index(goal.robot)
+    architecture = goal.architecture or "ht"
+    if architecture not in ARCHITECTURES:
+        known = ", ".join(ARCHITECTURES)
+        raise InputError(f"architecture: unknown {shown(architecture)}; known: {known}")
+    tasks = to_tasks(goal.tasks, "goal")
+    check_tasks(tasks)
+    now = -1 if state is None else state.tick
+    at_tick = int(goal.at_tick) or (now // every + _ROUNDS) * every
+    begin = at_tick - at_tick % every
+    if begin <= now:
+        raise InputError(f"at_tick: {at_tick} is too early; the present tick is {now}")
+    return Wanted(robot, tasks, architecture, at_tick, begin)
+
+
+def base_at(state: RobotState | None, part: slice) -> tuple[float, float, float] | None:
+    """Return where a robot's base stands [m, m, rad]; None where it moves, or is not known.
+
+    Args:
+        state: the newest one.
+        part: the robot's joints in it, its base first.
+    """
+    if state is None or np.abs(state.command[part][:3]).max() > _RESTS:
+        return None
+    x, y, yaw = map(float, state.q[part][:3])
+    return x, y, yaw

@@ -73,10 +73,14 @@ class PlantStates:
         self._readiness = Readiness(node, hears_plant=False)
 
     def refuse(self, error: InputError) -> None:
-        """Count and tell of a message that does not fit."""
+        """Count and tell of a message that does not fit; no flood of lines."""
+        self.note_refusal(error)
+        self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
+
+    def note_refusal(self, error: InputError) -> None:
+        """Count a message that does not fit, for the next report."""
         self.refused += 1
         self._refusal = f"refused: {error}"
-        self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
 
     def report(self) -> tuple[str, dict[str, str]]:
         """Return a complaint (or '') and the figures since the last report."""

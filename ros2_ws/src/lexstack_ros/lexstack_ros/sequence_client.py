@@ -64,15 +64,21 @@ class SequenceClient:
         )
         goal.tasks = [task_message(task) for task in self._tasks[name]]
 
-        def accepted(future: Future) -> None:
-            future.result().get_result_async().add_done_callback(finished)
+        def answered(future: Future) -> None:
+            if future.result().accepted:
+                future.result().get_result_async().add_done_callback(finished)
+            else:
+                keep(ExecuteSequence.Result(message="refused; the log of htmpc says why"))
 
         def finished(future: Future) -> None:
-            result = self.results[name] = future.result().result
+            keep(future.result().result)
+
+        def keep(result: ExecuteSequence.Result) -> None:
+            self.results[name] = result
             word = "all tasks are done" if result.success else result.message
             self._node.get_logger().info(f"sequence {name}: {result.done} done: {word}")
 
-        self._action.send_goal_async(goal).add_done_callback(accepted)
+        self._action.send_goal_async(goal).add_done_callback(answered)
 
     def _request(self, change: SequenceChangeConfig, tick: int) -> ChangeSequence.Request:
         """Return a change as a request."""

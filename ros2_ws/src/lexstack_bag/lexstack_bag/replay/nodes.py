@@ -35,7 +35,7 @@ __all__ = ["REPLAYERS", "Question", "recorded_nodes", "replay_controller", "repl
 def replay_solver(question: Question) -> Outcome:
     """Return what robot B answers to the recorded states and requests."""
     run = question.run
-    parts = Parts.of(question.resolved)
+    parts = Parts.of(question.resolved, every=True)
     solver = build_stack_solver(question.resolved, parts)
     states, chi = States(run), all_of(run, SOLVER)
     decisions, begun = Decisions(question, parts.team), begun_at(chi)
@@ -76,7 +76,7 @@ def replay_controller(question: Question) -> Outcome:
     HTMPC are the recorded ones.
     """
     run, chi = question.run, question.run.chi[COMMANDER]
-    parts = Parts.of(question.resolved)
+    parts = Parts.of(question.resolved, every=True)
     controller = build_controller(question.resolved, parts)
     states = States(run)
     ticks = states.between(int(chi.tick[0]), int(chi.tick[-1])) if len(chi.tick) else []

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
 
 import yaml
 
+from lexstack_core.config.available import available, load_stack
 from lexstack_core.config.checks import shown
 from lexstack_core.config.htmpc import HtmpcConfig, load_htmpc
 from lexstack_core.config.reader import build, parse_yaml, plain, read_yaml
@@ -16,8 +16,6 @@ from lexstack_core.config.robot import RobotConfig
 from lexstack_core.config.scenario import ScenarioConfig
 from lexstack_core.config.stack import StackConfig
 from lexstack_core.errors import ConfigurationError
-
-T = TypeVar("T", RobotConfig, StackConfig)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,15 +26,16 @@ class ResolvedScenario:
     robots: dict[str, RobotConfig]  # by model name
     stacks: dict[str, StackConfig]  # by stack name
     htmpc: dict[str, HtmpcConfig] = field(default_factory=dict)  # by name of the parameters
+    unfit: dict[str, str] = field(default_factory=dict)  # by name of a stack: why it does not fit
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a robot or stack that is named but not there."""
         for name, placement in self.scenario.robots.items():
             _known(f"{where}: robots.{name}.model", placement.model, self.robots)
-        _known(f"{where}: initial_stack", self.scenario.initial_stack, self.stacks)
+        self._check_stack(f"{where}: initial_stack", self.scenario.initial_stack)
         for i, event in enumerate(self.scenario.events):
             if event.switch:
-                _known(f"{where}: events[{i}].switch", event.switch, self.stacks)
+                self._check_stack(f"{where}: events[{i}].switch", event.switch)
         moved = self.stacks[self.scenario.initial_stack].robots
         left = [name for name in self.scenario.robots if moved and name not in moved]
         if left:
@@ -44,6 +43,12 @@ class ResolvedScenario:
                 f"{where}: initial_stack: {self.scenario.initial_stack!r} leaves "
                 f"{', '.join(left)} without a stack"
             )
+
+    def _check_stack(self, where: str, name: str) -> None:
+        """Raise ConfigurationError for a stack that is not there, or does not fit."""
+        if name in self.unfit:
+            raise ConfigurationError(f"{where}: {shown(name)} does not fit: {self.unfit[name]}")
+        _known(where, name, self.stacks)
 
     def to_yaml(self) -> str:
         """Return the whole as one YAML text, which ``from_yaml`` reads again."""
@@ -69,8 +74,8 @@ class ResolvedScenario:
 def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
     """Return a scenario file with its robots and the stacks of the configuration folder.
 
-    A stack that names robots which the scenario has not is left out, as is one whose limits are
-    for another kind of robot.
+    A stack file that is wrong, that names robots which the scenario has not, or whose limits are
+    for another kind of robot is left out, and ``unfit`` says why; not if the scenario names it.
 
     Args:
         path: the scenario's file.
@@ -85,54 +90,11 @@ def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
         model: load_robot(folder / "robots" / f"{model}.yaml")
         for model in dict.fromkeys(place.model for place in scenario.robots.values())
     }
-    resolved = ResolvedScenario(
-        scenario,
-        robots,
-        _fitting(scenario, load_stacks(folder / "stacks"), robots, str(path)),
-        _parameters(folder / "htmpc", scenario),
-    )
+    stacks, unfit = available(folder, scenario, robots, str(path))
+    parameters = _parameters(folder / "htmpc", scenario)
+    resolved = ResolvedScenario(scenario, robots, stacks, parameters, unfit)
     resolved.validate(str(path))
     return resolved
-
-
-def _fitting(
-    scenario: ScenarioConfig,
-    stacks: dict[str, StackConfig],
-    robots: dict[str, RobotConfig],
-    where: str,
-) -> dict[str, StackConfig]:
-    """Return the stacks whose robots a scenario has; raise ConfigurationError if it needs others.
-
-    Args:
-        scenario: with its robots, and the stacks that it names.
-        stacks: of the configuration folder.
-        robots: by model name.
-        where: the scenario's file.
-    """
-    wanted = {scenario.initial_stack, *(event.switch for event in scenario.events)}
-    fitting = {}
-    for name, stack in stacks.items():
-        absent = [robot for robot in stack.named if robot not in scenario.robots]
-        if not absent:
-            if name in wanted or not _for_others(stack, scenario, robots):
-                fitting[name] = stack
-        elif name in wanted:
-            raise ConfigurationError(
-                f"{where}: stack {name!r} names robots that the scenario has not: "
-                f"{', '.join(absent)}"
-            )
-    return fitting
-
-
-def _for_others(
-    stack: StackConfig, scenario: ScenarioConfig, robots: dict[str, RobotConfig]
-) -> bool:
-    """Return whether a stack limits joints of a robot of which that has not a single one."""
-    for name, limits in stack.limits.items():
-        arm = robots[scenario.robots[name].model].arm.joints
-        if limits and not any(joint in arm or joint.startswith("base_") for joint in limits):
-            return True
-    return False
 
 
 def _parameters(folder: Path, scenario: ScenarioConfig) -> dict[str, HtmpcConfig]:
@@ -145,25 +107,19 @@ def _parameters(folder: Path, scenario: ScenarioConfig) -> dict[str, HtmpcConfig
 
 def load_robot(path: Path) -> RobotConfig:
     """Return one robot file."""
-    return _named(build(RobotConfig, read_yaml(path), str(path)), path)
-
-
-def load_stacks(folder: Path) -> dict[str, StackConfig]:
-    """Return every stack file of a folder, by name."""
-    files = sorted(folder.glob("*.yaml"))
-    return {
-        path.stem: _named(build(StackConfig, read_yaml(path), str(path)), path) for path in files
-    }
-
-
-def _named(config: T, path: Path) -> T:
-    """Return ``config`` if it bears its file's name."""
+    config = build(RobotConfig, read_yaml(path), str(path))
     if config.name != path.stem:
         raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(config.name)}")
     return config
 
 
-def _known(where: str, name: str, known: dict[str, T]) -> None:
+def load_stacks(folder: Path) -> dict[str, StackConfig]:
+    """Return every stack file of a folder, by name."""
+    files = sorted(folder.glob("*.yaml"))
+    return {path.stem: load_stack(path) for path in files}
+
+
+def _known(where: str, name: str, known: Collection[str]) -> None:
     """Raise ConfigurationError unless ``name`` is a key of ``known``."""
     if name not in known:
         listed = ", ".join(sorted(known))

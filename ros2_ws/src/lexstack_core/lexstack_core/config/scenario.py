@@ -186,6 +186,12 @@ class ScenarioConfig:
         """Whether the HTMPC runs beside the controllers."""
         return bool(self.sequences) or self.htmpc.always
 
+    @property
+    def stacks_named(self) -> frozenset[str]:
+        """The stacks that the scenario itself asks for."""
+        switched = (event.switch for event in self.events if event.switch)
+        return frozenset((self.initial_stack, *switched))
+
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for unknown robots and values out of range."""
         names(where, name=self.name)

@@ -97,3 +97,8 @@ class StackConfig:
             others = task.parameters.get("robots") or ()
             names += [task.robot, str(task.parameters.get("other", "")), *map(str, others)]
         return tuple(dict.fromkeys(name for name in names if name))
+
+
+def plan_stack(robot: str) -> str:
+    """Return the name of the stack on which a robot follows the HTMPC's plan."""
+    return f"plan_{robot}"

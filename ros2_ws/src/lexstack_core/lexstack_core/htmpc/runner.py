@@ -11,7 +11,6 @@ from lexstack_core.config.htmpc import HtmpcConfig
 from lexstack_core.config.sequence import SequenceConfig
 from lexstack_core.errors import InputError
 from lexstack_core.htmpc.collisions import Surroundings
-from lexstack_core.htmpc.objectives import Kind
 from lexstack_core.htmpc.optimiser import Htmpc, Start
 from lexstack_core.htmpc.plan import Plan
 from lexstack_core.htmpc.present import Present
@@ -102,14 +101,24 @@ class SequenceRunner:
         self.sequence = Sequence.begin(tasks, architecture, self.present(state))
         self._follows = state.stamp + self._blend
 
-    def kind_of(self, name: str) -> Kind:
-        """Return the kind of a task of the sequence; raises InputError for an unknown one."""
+    def task(self, name: str) -> SequenceTask:
+        """Return a task of the sequence; raises InputError for an unknown one."""
         known = () if self.sequence is None else self.sequence.tasks
         for task in known:
             if task.name == name:
-                return task.kind
+                return task
         names = ", ".join(task.name for task in known) or "none"
         raise InputError(f"sequence: unknown task {name!r}; known: {names}")
+
+    def task_after(self, change: Change) -> SequenceTask | None:
+        """Return the task with a new goal after a change, or None where no goal is new.
+
+        Raises:
+            InputError: the task is unknown, or cannot be as it would be.
+        """
+        if change.kind == "retarget":
+            return replace(self.task(change.name), points=change.points)
+        return change.task if change.kind == "insert" else None
 
     def change(self, change: Change, state: RobotState) -> None:
         """Change the sequence at a state; raises InputError, and then nothing has changed."""

@@ -20,6 +20,7 @@ class Obstacles:
         names: in the order of the scenario.
         radii: shape (k,), m.
         moving: whether any of them moves.
+        resting: which of them never move, shape (k,).
     """
 
     def __init__(self, configs: Mapping[str, ObstacleConfig]) -> None:
@@ -34,7 +35,15 @@ class Obstacles:
         self._rates: Vector = np.array([2.0 * math.pi / config.period for config in values])
         self._swing = bool(self._swings.any())
         self.moving = self._swing or bool(self._velocities.any())
-        for array in (self.radii, self._starts, self._velocities, self._swings, self._rates):
+        self.resting = ~(self._velocities.any(axis=1) | self._swings.any(axis=1))
+        for array in (
+            self.radii,
+            self.resting,
+            self._starts,
+            self._velocities,
+            self._swings,
+            self._rates,
+        ):
             array.setflags(write=False)
 
     def __len__(self) -> int:

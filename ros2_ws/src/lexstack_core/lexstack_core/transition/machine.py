@@ -47,6 +47,7 @@ class Transition:
         local: LocalSource,
         scenario: ScenarioConfig,
         team: Team,
+        unfit: Mapping[str, str] | None = None,
     ) -> None:
         """Start idle on the scenario's initial stack.
 
@@ -55,6 +56,7 @@ class Transition:
             local: what A follows where robot B is lost.
             scenario: rate, mode, transition and timeouts.
             team: the robots.
+            unfit: why other stacks cannot be asked for, by name.
         """
         everyone = tuple(range(len(team.robots)))
         whose = {
@@ -67,7 +69,7 @@ class Transition:
         self._joiner = Joiner(team)
         self._sources = Sources(local, scenario)
         self._plans = PlanBook(team, scenario)
-        self._book = RequestBook(whose, METHODS, scenario.transition)
+        self._book = RequestBook(whose, METHODS, scenario.transition, unfit)
         self._adopts = scenario.transition.at_end == "adopt"
         self._lockstep = scenario.mode == "lockstep"
         self._asked = AskedLimits(team.limits, always=scenario.limit_jerk)

@@ -59,9 +59,18 @@ class RequestBook:
         stacks: Mapping[str, tuple[int, ...]],
         methods: Collection[str],
         defaults: TransitionConfig,
+        unfit: Mapping[str, str] | None = None,
     ) -> None:
-        """Know the stacks with their robots' places, the methods, and what empty fields mean."""
+        """Know what may be asked for.
+
+        Args:
+            stacks: the robots' places that each moves, by name.
+            methods: names of the transition methods.
+            defaults: what empty fields mean.
+            unfit: why other stacks of the configuration cannot be asked for, by name.
+        """
         self._stacks = stacks
+        self._unfit = unfit or {}
         self._methods = methods
         self._duration = defaults.duration
         self._method: str = defaults.method
@@ -147,7 +156,7 @@ class RequestBook:
     def _refusal(self, stack: str, duration: float, method: str, at_tick: int, now: int) -> str:
         """Return why a request cannot be accepted, or an empty text."""
         if stack not in self._stacks:
-            return f"unknown stack {shown(stack)}; known: {', '.join(sorted(self._stacks))}"
+            return self._absent(stack)
         if not math.isfinite(duration) or not 0.0 <= duration <= MAX_DURATION:
             return (
                 f"duration: must be in [0, {MAX_DURATION:g}] s (0: as configured), got {duration}"
@@ -161,6 +170,12 @@ class RequestBook:
         ):
             return f"{MAX_SCHEDULED} requests are scheduled already; wait for one to be served"
         return ""
+
+    def _absent(self, stack: str) -> str:
+        """Return why a stack cannot be asked for: it does not fit, or nobody knows it."""
+        if stack in self._unfit:
+            return f"stack {stack!r} does not fit: {self._unfit[stack]}"
+        return f"unknown stack {shown(stack)}; known: {', '.join(sorted(self._stacks))}"
 
 
 def in_effect(requests: Sequence[SwitchRequest]) -> tuple[SwitchRequest, ...]:

@@ -24,6 +24,7 @@ from lexstack_ros.commands.demo import (
     play_shown,
     resolve_scenario,
     run_folder,
+    tell_unfit,
 )
 from lexstack_ros.hosts import SERVER, VARIABLES, HostsConfig, load_hosts
 from lexstack_ros.player import PLAYER, Player
@@ -86,6 +87,7 @@ class Share:
         os.environ.update(variables)
         here, others = ", ".join(self._only) or "nothing", ", ".join(self._peers) or "none"
         print(f"{self.host}: {here}; waits for {others}")
+        tell_unfit(resolved)
         if self._away:
             print(f"  not needed by this scenario: {', '.join(self._away)}")
         print("".join(f"  {name}={value}\n" for name, value in variables.items()), flush=True)

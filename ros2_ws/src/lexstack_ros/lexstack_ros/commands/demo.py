@@ -19,6 +19,8 @@ from rclpy.signals import SignalHandlerOptions
 
 from lexstack_bag.commands.analyze import analyze
 from lexstack_bag.goals import summary_lines
+from lexstack_core.checked import checked
+from lexstack_core.config.available import FOR_OTHERS
 from lexstack_core.config.checks import shown
 from lexstack_core.config.resolved import ResolvedScenario, load_scenario
 from lexstack_core.errors import ConfigurationError, LexstackError
@@ -101,14 +103,21 @@ def _scenarios(root: Path) -> list[str]:
 
 
 def resolve_scenario(root: Path, options: argparse.Namespace) -> ResolvedScenario:
-    """Return the scenario with the command line's values put in; raises ConfigurationError."""
+    """Return the scenario with the command line's values put in, checked with all that it names.
+
+    What is wrong shows here, before a folder is made or a process started.
+
+    Raises:
+        ConfigurationError: something is wrong; the text names file and key.
+    """
     path = root / "config" / "scenarios" / f"{options.scenario}.yaml"
     if not is_file(path):
         path = Path(options.scenario)
         if not is_file(path):
             known = ", ".join(_scenarios(root))
             raise ConfigurationError(f"unknown scenario {shown(options.scenario)}; known: {known}")
-    resolved = load_scenario(path, root / "config")
+    config = root / "config"
+    resolved = checked(load_scenario(path, config), config, path)
     scenario = resolved.scenario
     if options.seed is not None and not 0 <= options.seed < 2**31:
         raise ConfigurationError(f"--seed: must be in [0, 2^31), got {options.seed}")
@@ -120,6 +129,13 @@ def resolve_scenario(root: Path, options: argparse.Namespace) -> ResolvedScenari
             seed=scenario.seed if options.seed is None else options.seed,
         ),
     )
+
+
+def tell_unfit(resolved: ResolvedScenario) -> None:
+    """Print which stack files are wrong for any robots; those made for others are no news."""
+    for name, reason in resolved.unfit.items():
+        if not reason.startswith(FOR_OTHERS):
+            print(f"note: stack {name!r} cannot be asked for in this run: {reason}")
 
 
 def is_file(path: Path) -> bool:
@@ -155,6 +171,7 @@ def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *,
             f"{scenario.rate:g} Hz, seed {scenario.seed}\n"
             f"to listen from another terminal: export ROS_DOMAIN_ID={domain}"
         )
+        tell_unfit(resolved)
         environment = {"ROS_DOMAIN_ID": str(domain)}
         os.environ.update(environment)
         supervisor = Supervisor(out / "logs", environment)

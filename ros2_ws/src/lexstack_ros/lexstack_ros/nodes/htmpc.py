@@ -10,15 +10,17 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
+from lexstack_core.config.stack import plan_stack
 from lexstack_core.errors import InputError
-from lexstack_core.htmpc.runner import ARCHITECTURES, SequenceRunner
+from lexstack_core.htmpc.reach import Reach
+from lexstack_core.htmpc.runner import ARCHITECTURES, Change, SequenceRunner
 from lexstack_core.model import Team
 from lexstack_core.state import RobotState
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import Sequence, SequenceStatus
 from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
-from lexstack_ros.following import Following, plan_stack
-from lexstack_ros.jobs import GoalServer, Job, Stage, job_of
+from lexstack_ros.following import Following
+from lexstack_ros.jobs import GoalServer, Job, Stage, base_at, wanted_of
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.plan_conversions import (
     PLAN,
@@ -34,6 +36,7 @@ from lexstack_ros.sequence_changes import SequenceChanges, Wish
 from lexstack_ros.spin import beside, run_node
 
 ACTION = "/htmpc/execute_sequence"
+_THROTTLE = 0.05  # s: a flood of goals is no flood of lines
 
 
 class HtmpcNode(Node):
@@ -56,6 +59,7 @@ class HtmpcNode(Node):
         self._meter = Meter()
         self._failures = 0
         self._runners: dict[int, SequenceRunner] = {}
+        self._reach = [Reach(robot, self._team.obstacles) for robot in self._team.robots]
         named = {entry.robot for entry in scenario.sequences.values()}
         for robot in sorted(map(self._team.index, named or scenario.robots)):
             self._runner(robot)
@@ -68,7 +72,7 @@ class HtmpcNode(Node):
             ExecuteSequence,
             ACTION,
             execute_callback=self._execute,
-            goal_callback=lambda _goal: GoalResponse.ACCEPT,
+            goal_callback=self._on_request,
             handle_accepted_callback=self._on_goal,
             cancel_callback=lambda _goal: CancelResponse.ACCEPT,
         )
@@ -80,16 +84,28 @@ class HtmpcNode(Node):
 
     # ---- goals
 
+    def _on_request(self, goal: ExecuteSequence.Goal) -> GoalResponse:
+        """Accept a goal that can be met; log and diagnostics say why another is refused."""
+        try:
+            wanted = wanted_of(goal, self._team, self._state, self._every)
+            self._following.check(goal.robot)
+            base = base_at(self._state, self._team.slices[wanted.robot])
+            self._reach[wanted.robot].check(wanted.tasks, wanted.architecture, base)
+        except InputError as error:
+            # The action's answer has no room for the reason.
+            self._states.note_refusal(InputError(f"{ACTION}: {error}"))
+            log = self.get_logger()
+            log.warning(f"refused: {ACTION}: {error}", throttle_duration_sec=_THROTTLE)
+            return GoalResponse.REJECT
+        self._wanted = wanted  # rclpy calls _on_goal next, before anything else
+        return GoalResponse.ACCEPT
+
     def _on_goal(self, handle: ServerGoalHandle) -> None:
-        """Take a goal; one that cannot be is ended at once, with the reason."""
-        job = job_of(handle, self._team, self._state, self._every)
+        """Begin with a goal that was accepted."""
+        job = Job(handle, self._wanted)
         job.on_end = self._action.finish
         self._by_goal[bytes(handle.goal_id.uuid)] = job
         handle.execute()
-        if job.refusal:
-            self._states.refuse(InputError(f"{ACTION}: {job.refusal}"))
-            job.end(job.refusal)
-            return
         before = self._jobs.get(job.robot)
         if before is not None:
             before.end("pre-empted by another sequence")
@@ -125,11 +141,19 @@ class HtmpcNode(Node):
             raise InputError("no sequence is under way for this robot")
         runner = self._runners[robot]
         if change.kind == "retarget":
-            points = to_points(wish.poses, runner.kind_of(change.name), f"task {change.name!r}")
+            points = to_points(wish.poses, runner.task(change.name).kind, f"task {change.name!r}")
             change = replace(change, points=points)
+        self._check_change(robot, change)
         runner.change(change, state)
         self._announce(robot, change.kind, change.name)
         return f"{change.kind}: {change.name}"
+
+    def _check_change(self, robot: int, change: Change) -> None:
+        """Raise InputError for a change after which a task could not be met."""
+        task = self._runners[robot].task_after(change)
+        if task is not None:
+            # Where the base will stand then is not known: the whole robot may serve the task.
+            self._reach[robot].check([task], "ht")
 
     def _change_due(self, tick: int) -> None:
         """Make the changes whose tick has come."""
@@ -233,7 +257,7 @@ class HtmpcNode(Node):
 
     def _health(self) -> Health:
         """Return how the node is."""
-        complaint, ages = self._states.delays.report()
+        complaint, ages = self._states.report()
         return Health(
             first(complaint, f"{self._failures} solves failed" if self._failures else ""),
             {

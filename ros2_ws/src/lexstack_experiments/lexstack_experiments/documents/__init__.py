@@ -1,0 +1,1 @@
+"""Tables and figures of the documents, written from the results files in ``docs/results``."""

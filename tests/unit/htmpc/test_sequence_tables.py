@@ -1,0 +1,60 @@
+"""docs/htmpc.md: kinds, keys, defaults and units of sequence tasks are those of the schema."""
+
+import dataclasses
+import re
+import typing
+
+import pytest
+import yaml
+
+from lexstack_core.config.sequence import SequenceTaskConfig
+from lexstack_core.htmpc import SequenceTask
+from lexstack_core.htmpc.objectives import MEASURES, Kind
+from lexstack_interfaces.msg import SequenceTask as Message
+from support.scenario import ROOT
+
+PAGE = (ROOT / "docs" / "htmpc.md").read_text(encoding="utf-8").split("### The tasks of a")[1]
+
+
+def table(head):
+    """Return the rows of the table whose first column is ``head``."""
+    lines = re.search(rf"^\| {head} \|.*\n\|.*\n((?:\|.*\n)+)", PAGE, flags=re.MULTILINE).group(1)
+    return [
+        [c.strip().strip("`") for c in line.strip("|").split("|")] for line in lines.splitlines()
+    ]
+
+
+def test_every_kind_stands_in_the_table_with_its_coordinates():
+    rows = {row[0]: row[2] for row in table("kind")}
+    assert set(rows) == set(MEASURES) == set(typing.get_args(Kind))
+    hint = typing.get_type_hints(SequenceTaskConfig)["kind"]
+    assert set(rows) == set(typing.get_args(hint))
+    for kind, text in rows.items():
+        names = text.replace("and the quaternion", "").replace(",", " ").split()
+        assert len(names) == MEASURES[kind].columns, kind
+
+
+def test_every_key_stands_in_the_table_with_its_default():
+    told = {row[0]: yaml.safe_load(row[1]) for row in table("key")}
+    wanted = {
+        field.name: "–" if field.default is dataclasses.MISSING else field.default
+        for field in dataclasses.fields(SequenceTaskConfig)
+    }
+    assert told == wanted
+    assert set(told) == set(Message.get_fields_and_field_types())
+
+
+@pytest.mark.parametrize("name", ["tolerance", "tolerance_angle", "dwell", "held"])
+def test_the_schema_has_the_defaults_of_the_library(name):
+    fields = {field.name: field.default for field in dataclasses.fields(SequenceTask)}
+    assert fields[name] == SequenceTaskConfig.__dataclass_fields__[name].default
+
+
+def test_units_of_the_table_are_those_of_the_schema():
+    source = (ROOT / "ros2_ws/src/lexstack_core/lexstack_core/config/sequence.py").read_text(
+        "utf-8"
+    )
+    for name, _, unit, *_ in table("key"):
+        if unit and name != "points":
+            (comment,) = re.findall(rf"^    {name}: .*# (\S+)", source, flags=re.MULTILINE)
+            assert comment.rstrip(",;") == unit, name
