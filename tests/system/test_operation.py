@@ -37,18 +37,19 @@ PUBLISHES = {
     },
     "hqp_controller": {
         *("/robot_a/chi", "/robot_a/transition", "/robot_a/stack_request"),
+        "/robot_a/references",
         *REFERENCES,
     },
-    "stack_solver": {"/robot_b/chi"},
+    "stack_solver": {"/robot_b/chi", "/robot_b/references"},
     "recorder": set(),
 }
 HEARS = {
     "sim_bridge": {"/robot_a/chi"},
     "hqp_controller": {
         *("/plant/state", "/robot_b/chi", "/htmpc/plan", "/robot_a/request_stack"),
-        *("/diagnostics", *TARGETS),
+        *("/diagnostics", "/robot_b/references", *TARGETS),
     },
-    "stack_solver": {"/plant/state", "/robot_a/stack_request", *TARGETS, *REFERENCES},
+    "stack_solver": {"/plant/state", "/robot_a/stack_request", "/robot_a/references"},
 }
 SERVES = {
     "sim_bridge": {f"/sim_bridge/{s}" for s in ("pause", "step", "reset", "apply_wrench")},
@@ -130,7 +131,7 @@ def test_every_parameter_says_what_it_is(run, node):
         assert descriptor.description, descriptor.name
         numeric = descriptor.type in (2, 3)
         assert not numeric or descriptor.floating_point_range or descriptor.integer_range
-        tunable = descriptor.name in ("transition_duration", "transition_method")
+        tunable = descriptor.name in ("transition_duration", "transition_method", "lead_in")
         assert descriptor.read_only != tunable, descriptor.name
 
 

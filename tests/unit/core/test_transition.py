@@ -108,6 +108,10 @@ def test_a_request_takes_the_configured_values():
         (("track", 61.0, "", 0), "duration"),
         (("track", 0.0, "jump", 0), "unknown method 'jump'; known: bridge"),
         (("track", 0.0, "", 10), "at_tick: 10 is over; the present tick is 10"),
+        (
+            ("track", 0.0, "", 6011),
+            "at_tick: 6011 is 6001 ticks ahead of the present tick 10, more than 6000",
+        ),
     ],
 )
 def test_a_wrong_request_is_refused_with_its_reason(values, message):
@@ -117,6 +121,14 @@ def test_a_wrong_request_is_refused_with_its_reason(values, message):
     assert message in answer.message
     assert answer.request is None
     assert requests.scheduled == ()
+
+
+def test_requests_for_one_robot_do_not_fill_the_queue_of_another():
+    requests = book()
+    for tick in range(100, 100 + MAX_SCHEDULED):
+        assert requests.ask("posture_a", 0.0, "", tick, now=0).accepted
+    assert "requests are scheduled already" in requests.ask("posture_a", 0.0, "", 99, now=0).message
+    assert requests.ask("posture_b", 0.0, "", 99, now=0).accepted
 
 
 def test_requests_are_due_in_the_order_of_their_ticks():

@@ -17,6 +17,7 @@ from lexstack_core.htmpc.runner import ARCHITECTURES
 from lexstack_core.htmpc.sequence import check_tasks
 from lexstack_core.model import Team
 from lexstack_core.state import RobotState
+from lexstack_core.transition.request import too_far
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import SequenceStatus
 from lexstack_ros.plan_conversions import to_tasks
@@ -127,7 +128,11 @@ class Job:
 
 
 def wanted_of(
-    goal: ExecuteSequence.Goal, team: Team, state: RobotState | None, every: int
+    goal: ExecuteSequence.Goal,
+    team: Team,
+    state: RobotState | None,
+    every: int,
+    horizon: int = 6000,
 ) -> Wanted:
     """Return what a goal asks for; raises InputError for one that cannot be.
 
@@ -136,6 +141,7 @@ def wanted_of(
         team: the robots.
         state: the newest one.
         every: ticks from plan to plan.
+        horizon: so many ticks ahead it may begin.
     """
     if state is None and not goal.at_tick:
         raise InputError("at_tick: must be given, as no state of the plant has come yet")
@@ -154,6 +160,8 @@ def wanted_of(
     begin = at_tick - at_tick % every
     if begin <= now:
         raise InputError(f"at_tick: {at_tick} is too early; the present tick is {now}")
+    if too_far(at_tick, now, horizon):
+        raise InputError(too_far(at_tick, now, horizon))
     return Wanted(robot, tasks, architecture, at_tick, begin)
 
 

@@ -182,6 +182,11 @@ class ScenarioConfig:
     seed: int = 0
 
     @property
+    def horizon_ticks(self) -> int:
+        """How many ticks ahead of the present one something may be asked for."""
+        return round(self.timeouts.target_horizon * self.rate)
+
+    @property
     def plans(self) -> bool:
         """Whether the HTMPC runs beside the controllers."""
         return bool(self.sequences) or self.htmpc.always

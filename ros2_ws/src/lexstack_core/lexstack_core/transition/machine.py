@@ -69,7 +69,9 @@ class Transition:
         self._joiner = Joiner(team)
         self._sources = Sources(local, scenario)
         self._plans = PlanBook(team, scenario)
-        self._book = RequestBook(whose, METHODS, scenario.transition, unfit)
+        self._book = RequestBook(
+            whose, METHODS, scenario.transition, unfit, horizon=scenario.horizon_ticks
+        )
         self._adopts = scenario.transition.at_end == "adopt"
         self._lockstep = scenario.mode == "lockstep"
         self._asked = AskedLimits(team.limits, always=scenario.limit_jerk)

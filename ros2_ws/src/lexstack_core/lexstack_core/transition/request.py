@@ -60,6 +60,8 @@ class RequestBook:
         methods: Collection[str],
         defaults: TransitionConfig,
         unfit: Mapping[str, str] | None = None,
+        *,
+        horizon: int = 6000,
     ) -> None:
         """Know what may be asked for.
 
@@ -68,10 +70,12 @@ class RequestBook:
             methods: names of the transition methods.
             defaults: what empty fields mean.
             unfit: why other stacks of the configuration cannot be asked for, by name.
+            horizon: so many ticks ahead a request may be.
         """
         self._stacks = stacks
         self._unfit = unfit or {}
         self._methods = methods
+        self._horizon = horizon
         self._duration = defaults.duration
         self._method: str = defaults.method
         self._profile: str = defaults.profile
@@ -104,14 +108,18 @@ class RequestBook:
             reason: why, if not a user's wish.
             robots: places of those that shall go there; None: all that the stack moves.
         """
-        refusal = self._refusal(stack, duration, method, at_tick, now)
+        refusal = self._refusal(stack, duration, method)
+        if refusal:
+            return Answer(False, refusal)
+        moved = self._stacks[stack] if robots is None else robots
+        refusal = self._untimely(moved, at_tick, now)
         if refusal:
             return Answer(False, refusal)
         self._count += 1
         request = SwitchRequest(
             self._count,
             stack,
-            self._stacks[stack] if robots is None else robots,
+            moved,
             duration or self._duration,
             method or self._method,
             self._profile,
@@ -153,7 +161,7 @@ class RequestBook:
         """Forget all that was scheduled."""
         self._scheduled = []
 
-    def _refusal(self, stack: str, duration: float, method: str, at_tick: int, now: int) -> str:
+    def _refusal(self, stack: str, duration: float, method: str) -> str:
         """Return why a request cannot be accepted, or an empty text."""
         if stack not in self._stacks:
             return self._absent(stack)
@@ -163,19 +171,36 @@ class RequestBook:
             )
         if method and method not in self._methods:
             return f"unknown method {shown(method)}; known: {', '.join(self._methods)}"
+        return ""
+
+    def _untimely(self, robots: tuple[int, ...], at_tick: int, now: int) -> str:
+        """Return why robots cannot switch at a tick, or an empty text.
+
+        Each robot has a queue of its own: requests for others never keep it from switching.
+        """
         if at_tick and at_tick <= now:
             return f"at_tick: {at_tick} is over; the present tick is {now}"
-        if len(self._scheduled) >= MAX_SCHEDULED and not any(
-            request.at_tick == (at_tick or now + 1) for request in self._scheduled
-        ):
+        mine = [entry for entry in self._scheduled if set(entry.robots) & set(robots)]
+        full = len(mine) >= MAX_SCHEDULED
+        if full and all(entry.at_tick != (at_tick or now + 1) for entry in mine):
             return f"{MAX_SCHEDULED} requests are scheduled already; wait for one to be served"
-        return ""
+        return too_far(at_tick, now, self._horizon)
 
     def _absent(self, stack: str) -> str:
         """Return why a stack cannot be asked for: it does not fit, or nobody knows it."""
         if stack in self._unfit:
             return f"stack {stack!r} does not fit: {self._unfit[stack]}"
         return f"unknown stack {shown(stack)}; known: {', '.join(sorted(self._stacks))}"
+
+
+def too_far(at_tick: int, now: int, horizon: int) -> str:
+    """Return why a tick is too far ahead of the present one, or ''; all in ticks."""
+    if at_tick - now <= horizon:
+        return ""
+    return (
+        f"at_tick: {at_tick} is {at_tick - now} ticks ahead of the present tick {now}, "
+        f"more than {horizon}"
+    )
 
 
 def in_effect(requests: Sequence[SwitchRequest]) -> tuple[SwitchRequest, ...]:

@@ -16,6 +16,7 @@ from lexstack_core.htmpc.reach import Reach
 from lexstack_core.htmpc.runner import ARCHITECTURES, Change, SequenceRunner
 from lexstack_core.model import Team
 from lexstack_core.state import RobotState
+from lexstack_core.transition.request import MAX_SCHEDULED, too_far
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import Sequence, SequenceStatus
 from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
@@ -48,6 +49,7 @@ class HtmpcNode(Node):
         self._resolved = scenario_parameter(self)
         scenario = self._resolved.scenario
         self._team = Team.from_scenario(self._resolved)
+        self._horizon = scenario.horizon_ticks
         self._every = scenario.htmpc.ticks(scenario.rate)
         self._lockstep = scenario.mode == "lockstep"
         self.niceness = beside(scenario.mode)
@@ -87,7 +89,7 @@ class HtmpcNode(Node):
     def _on_request(self, goal: ExecuteSequence.Goal) -> GoalResponse:
         """Accept a goal that can be met; log and diagnostics say why another is refused."""
         try:
-            wanted = wanted_of(goal, self._team, self._state, self._every)
+            wanted = wanted_of(goal, self._team, self._state, self._every, self._horizon)
             self._following.check(goal.robot)
             base = base_at(self._state, self._team.slices[wanted.robot])
             self._reach[wanted.robot].check(wanted.tasks, wanted.architecture, base)
@@ -133,6 +135,9 @@ class HtmpcNode(Node):
         """Change a sequence under way, now or later; returns what was done, raises InputError."""
         change, state = wish.change, self._state
         if wish.at_tick:
+            refusal = too_far(wish.at_tick, -1 if state is None else state.tick, self._horizon)
+            if refusal or len(self._later) >= MAX_SCHEDULED:
+                raise InputError(refusal or f"{MAX_SCHEDULED} changes are to come already")
             self._later.append(wish)
             return f"{change.kind}: {change.name} at tick {wish.at_tick}"
         running = [robot for robot, job in self._jobs.items() if job.stage is Stage.RUNNING]

@@ -1,0 +1,189 @@
+"""References through all processes: decided once, whenever targets come and whoever sends them."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from std_srvs.srv import SetBool
+
+from lexstack_core.config.resolved import load_scenario
+from lexstack_core.config.scenario import PoseConfig
+from lexstack_core.model import Pose
+from lexstack_core.rotation import to_quaternion
+from lexstack_interfaces.msg import Chi, PlantState, References
+from lexstack_ros.bringup import NODES
+from lexstack_ros.conversions import pose_message
+from lexstack_ros.qos import LATCHED, STREAM
+from support.processes import acceleration_ratio, read, running, short_scenario
+from support.scenario import CONFIG, home, team
+
+pytestmark = pytest.mark.system
+PATIENCE = 20.0  # s
+
+
+def stream(mode, **values):
+    """Return the first seconds of the scenario with a stream of targets without stamps."""
+    resolved = load_scenario(CONFIG / "scenarios" / "stream.yaml", CONFIG)
+    streams = tuple(
+        replace(entry, end=4.0, **values.pop("stream", {})) for entry in resolved.scenario.streams
+    )
+    changed = {"mode": mode, "duration": 5.0, "streams": streams, **values}
+    return replace(resolved, scenario=replace(resolved.scenario, **changed))
+
+
+def test_a_stream_without_stamps_loses_no_b_and_the_blend_takes_its_time(tmp_path):
+    """Each χ of B was solved with the references that A had at its tick."""
+    with running(stream("lockstep"), tmp_path) as run:
+        run.play()
+        assert run.end() == []
+    topics = ("/robot_a/transition", "/robot_a/chi", "/robot_b/chi", "/robot_a/references")
+    found = read(tmp_path / "bag", *topics)
+    told = found["/robot_a/transition"]
+    assert len(found["/robot_a/references"]) > 100, "the stream came"
+    assert {status.reason for status in told} == {""}
+    blend = [status.tick for status in told if status.source == "robot_b"]
+    assert (blend[0], blend[-1]) == (100, 200)
+    assert [s.alpha for s in told if 100 <= s.tick <= 200] == sorted(
+        s.alpha for s in told if 100 <= s.tick <= 200
+    )
+    of_a = {chi.tick: chi.references for chi in found["/robot_a/chi"]}
+    newest = {chi.tick: chi.references for chi in found["/robot_b/chi"]}
+    assert newest
+    assert all(of_a[tick] == revision for tick, revision in newest.items())
+
+
+@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
+def test_a_target_in_mid_blend_is_no_kick(tmp_path, mode):
+    """The target steps; the peak is that of the bridge, in realtime as in lockstep (0.16)."""
+    scenario = short_scenario(mode=mode, lead_in=0.0)
+    switch = replace(scenario.scenario.events[0], duration=1.0)
+    tool = _ahead_of_the_tool()
+    target = replace(switch, at=1.5, switch="", duration=0.0, ee_target={"robot_a": tool})
+    scenario = replace(scenario, scenario=replace(scenario.scenario, events=(switch, target)))
+    with running(scenario, tmp_path) as run:
+        run.play()
+        assert run.end() == []
+    peak = acceleration_ratio(tmp_path / "bag", team().limits.acceleration, 0.01)
+    assert 0.05 < peak < 0.25
+
+
+class User:
+    """Publishes targets, and keeps what it hears."""
+
+    def __init__(self, run):
+        self.run = run
+        self.node = rclpy.create_node("user")
+        run.executor.add_node(self.node)
+        self.decisions, self.states, self.complaints, self.commands = [], [], [], []
+        self.node.create_subscription(
+            References, "/robot_a/references", self.decisions.append, LATCHED
+        )
+        self.node.create_subscription(PlantState, "/plant/state", self.states.append, STREAM)
+        self.node.create_subscription(Chi, "/robot_a/chi", self.commands.append, STREAM)
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
+        self.targets = self.node.create_publisher(PoseStamped, "/robot_a/ee_target", STREAM)
+        self.until(lambda: self.targets.get_subscription_count() >= 1)
+        time.sleep(0.5)  # the other side must know the publisher too
+
+    def _on_diagnostics(self, message):
+        self.complaints += [s.message for s in message.status if s.name == "hqp_controller"]
+
+    def until(self, condition):
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < end
+            self.run.executor.spin_once(timeout_sec=0.05)
+
+    def release(self):
+        client = self.node.create_client(SetBool, "/sim_bridge/pause")
+        self.until(client.service_is_ready)
+        future = client.call_async(SetBool.Request(data=False))
+        self.until(future.done)
+
+    def send(self, pose, stamp):
+        message = pose_message(pose, 0.0, to_quaternion(pose.rotation))
+        message.header.stamp.sec = stamp
+        self.targets.publish(message)
+
+
+@pytest.fixture(scope="module")
+def user(tmp_path_factory):
+    """Return a user of a long realtime run without targets of its own."""
+    scenario = short_scenario(mode="realtime", events=(), duration=600.0, base_target={})
+    with running(scenario, tmp_path_factory.mktemp("run")) as run:
+        user = User(run)
+        user.release()
+        user.until(lambda: user.commands and user.decisions)
+        yield user
+        user.node.destroy_node()
+
+
+def test_nothing_moves_before_somebody_asks(user):
+    user.until(lambda: len(user.commands) > 100)
+    first = user.decisions[0]
+    np.testing.assert_array_equal(first.base, [*home()[:3], *home()[10:13]])
+    assert max(np.abs(chi.chi).max() for chi in user.commands) < 1e-9
+
+
+def test_a_target_with_the_wall_clock_is_refused_aloud_and_keeps_no_other_out(user):
+    before = len(user.decisions)
+    tool = team().tools(home())[0]
+    for _ in range(40):
+        user.send(moved(tool, 0.0, 0.5), int(time.time()))
+    user.until(lambda: any("s ahead of the simulated time" in c for c in user.complaints))
+    assert len(user.decisions) == before
+    user.send(moved(tool, 0.05, 0.0), 0)
+    user.until(lambda: len(user.decisions) > before)
+    assert user.decisions[-1].ee[0] == pytest.approx(tool.position[0] + 0.05)
+    assert user.decisions[-1].ee_lead[1] == 0.0, "the scenario's targets step"
+
+
+def test_the_lead_in_is_a_parameter(user):
+    client = user.node.create_client(SetParameters, "/hqp_controller/set_parameters")
+    user.until(client.service_is_ready)
+    value = Parameter(name="lead_in", value=0.3).to_parameter_msg()
+    future = client.call_async(SetParameters.Request(parameters=[value]))
+    user.until(future.done)
+    assert future.result().results[0].successful
+    before = len(user.decisions)
+    user.send(moved(team().tools(home())[0], 0.08, 0.0), 0)
+    user.until(lambda: len(user.decisions) > before)
+    assert user.decisions[-1].ee_lead[1] == 0.3
+
+
+def test_a_controller_that_starts_again_goes_on_with_the_last_references(user):
+    """Robot B keeps them; the new controller's first decision is the old one's last."""
+    last = user.decisions[-1]
+    run = user.run
+    child = next(c for c in run.supervisor.children if c.name == "hqp_controller")
+    child.process.kill()
+    child.process.wait(PATIENCE)
+    run.supervisor.children.remove(child)
+    given = ["--ros-args", "-p", f"scenario:={run.out / 'scenario.yaml'}"]
+    run.supervisor.start("hqp_controller_again", NODES["hqp_controller"], given)
+    user.until(lambda: user.decisions[-1].sender != last.sender)
+    again = user.decisions[-1]
+    assert again.revision == 1
+    assert list(again.ee) == list(last.ee)
+    assert list(again.base) == list(last.base)
+    served = len(user.commands)
+    user.until(lambda: len(user.commands) > served + 20)
+
+
+def moved(pose, x, z):
+    """Return a pose that is moved."""
+    return Pose(pose.position + np.array([x, 0.0, z]), pose.rotation)
+
+
+def _ahead_of_the_tool():
+    """Return a configured pose 10 cm in front of and below the first robot's tool."""
+    tool = moved(team().tools(home())[0], 0.0877, -0.058)
+    x, y, z = (float(value) for value in tool.position)
+    a, b, c, d = (float(value) for value in to_quaternion(tool.rotation))
+    return PoseConfig((x, y, z), (a, b, c, d))
