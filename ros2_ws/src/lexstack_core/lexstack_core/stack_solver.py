@@ -9,7 +9,7 @@ import numpy as np
 
 from lexstack_core.bounds import Bounds, target_bounds
 from lexstack_core.hqp import HqpProblem, HqpSolver, Solution
-from lexstack_core.linear import LinearTask, Vector
+from lexstack_core.linear import LinearTask
 from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References
 from lexstack_core.stack import AT_REST, Level, Stack

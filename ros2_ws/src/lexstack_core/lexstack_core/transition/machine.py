@@ -260,9 +260,7 @@ class Transition:
             [(part.columns, stack.limits, method in JERK_LIMITED) for part, stack, method in ways]
         )
 
-    def step(
-        self, due: Due, kinematics: Kinematics, references: References, means: Means
-    ) -> Plans:
+    def step(self, due: Due, kinematics: Kinematics, references: References, means: Means) -> Plans:
         """Return what A solves at this tick, with what the controller lends.
 
         While the source's first solution for a new stack is awaited, its robots go on with what
