@@ -24,8 +24,11 @@ from lexstack_core.transition.time_optimal import Progress, advanced
 from lexstack_core.transition.way import Way
 
 _START = Progress()
+_NOTHING = Tally()
 _LITTLE = (0.02, 0.002)  # of the acceleration and the jerk limits
 _SHORTEST = 0.1  # s
+_PAIR = 1  # a target that reaches A and B at different ticks makes two latches; more are a stream
+_JUMP = 5.0  # of a joint's acceleration limit
 _FELT = 1e-3  # of a joint's acceleration limit: no difference of accelerations below it is felt
 
 
@@ -47,7 +50,7 @@ class Blend:
         progress: alpha of this tick, and its rate where the profile has a state.
         alone: whether A goes to its own optimum and follows B no longer, to the end.
         end: the first tick for which the source is no longer needed, None until it is known.
-        calm: whether the latch before was long enough ago for the source's motion to be known.
+        recent: how many latches came shortly before this one.
         tally: of what made it latch.
     """
 
@@ -63,8 +66,8 @@ class Blend:
     progress: Progress = _START
     alone: bool = False
     end: int | None = None
-    calm: bool = True
-    tally: Tally = Tally()  # noqa: RUF009 - a frozen value
+    recent: int = 0
+    tally: Tally = _NOTHING
 
     @property
     def request(self) -> SwitchRequest:
@@ -90,6 +93,10 @@ class Blend:
             moment: this tick.
         """
         bridge = latch(past.start, source[1], level, past.level_goes_on)
+        if past.carry is not None and past.carry.older:
+            # A slip goes on to fade in its own time; delta is what is left of the gap.
+            fading = past.carry.at(0.0)
+            bridge = replace(bridge, delta=bridge.delta - fading, carried=fading)
         step = past.start - moment.kinematics.state.command
         return cls(
             way,
@@ -100,7 +107,7 @@ class Blend:
             source[1],
             step,
             past.carry,
-            calm=past.calm,
+            recent=past.recent,
         )
 
     def taken_over(self, own: Vector, tick: int, means: Means) -> Blend:
@@ -166,15 +173,26 @@ class Blend:
         else:
             progress = Progress(alpha(self.request.profile, elapsed, self.duration))
         carry, bridge = self.carry, self.bridge
-        if tick == self.start + 1 and self.calm and not unsteady:
+        if tick == self.start + 1 and self.recent <= _PAIR and not unsteady:
             carry = self._with_slip(drift, means)
         if carry is not None:
             bridge = replace(bridge, carried=carry.at(elapsed))
         known = self.drift if unsteady else drift
         # Not by dataclasses.replace, which takes three times as long.
-        state = (chi, self.step, carry, known, progress, self.alone, self.end, self.calm)
-        fixed = (self.way, self.source, self.start, self.duration, bridge)
-        return Blend(*fixed, *state, self.tally)
+        latched = (self.way, self.source, self.start, self.duration, bridge, chi, self.step)
+        rest = (self.alone, self.end, self.recent, self.tally)
+        return Blend(*latched, carry, known, progress, *rest)
+
+    def jumps(self, chi: Vector, means: Means) -> bool:
+        """Return whether the source's chi (n,) moves by more than the joints follow in one tick.
+
+        Beyond its motion of the tick before, where that is known. A plan is followed as it comes.
+        """
+        if self.way.target.planned:
+            return False
+        mine, moved = self.way.part.columns, chi - self.source_chi
+        jump = moved if self.drift is None else moved - self.drift
+        return bool((np.abs(jump[mine]) > means.reach[mine]).any())
 
     def over_at(self, tick: int, means: Means) -> bool:
         """Return whether alpha is 1 at the next tick, if the source stays where it is."""
@@ -190,13 +208,17 @@ class Blend:
             How far the command would have moved since the tick before, shape (n,), and the motion
             of the gap.
         """
+        if tick == self.start:  # given up before it began: there is no tick before to compare with
+            return self.step, None if self.carry is None else replace(self.carry, duration=duration)
         step = np.zeros_like(self.step) if self.drift is None else self.drift
         carry = None
         if self.request.profile != "time_optimal":
-            before, now, after = (self._gap((tick + k - self.start) * means.dt) for k in (-1, 0, 1))
-            step = step + now - before
+            times = tuple((tick + k - self.start) * means.dt for k in (-1, 0, 1))
+            step = step + self._gap(times[1]) - self._gap(times[0])
+            before, now, after = (self._lasting_gap(time) for time in times)
             speed, bend = (after - before) / (2.0 * means.dt), (after - 2.0 * now + before)
-            carry = Carry(speed, bend / means.dt**2, duration)
+            older = () if self.carry is None else self.carry.fading(times[1])
+            carry = Carry(speed, bend / means.dt**2, duration, older=older)
         reach = means.limits.acceleration * means.dt
         return np.minimum(np.maximum(step, -reach), reach), carry
 
@@ -229,6 +251,11 @@ class Blend:
         gap = (1.0 - alpha(self.request.profile, elapsed, self.duration)) * self.bridge.delta
         return gap if self.carry is None else gap + self.carry.at(max(elapsed, 0.0))
 
+    def _lasting_gap(self, elapsed: float) -> Vector:
+        """Return the gap after ``elapsed`` seconds without the slips, shape (n,)."""
+        gap = (1.0 - alpha(self.request.profile, elapsed, self.duration)) * self.bridge.delta
+        return gap if self.carry is None else gap + self.carry.lasting(max(elapsed, 0.0))
+
     def _with_slip(self, drift: Vector, means: Means) -> Carry | None:
         """Return the motion of the gap, now that the source's step from tick to tick is known."""
         if self.request.profile == "time_optimal":
@@ -236,10 +263,12 @@ class Blend:
         slip = (self.step - drift) / means.dt
         carry, limit = self.carry, means.limits.acceleration
         if carry is not None:
-            slip -= carry.speed
-        slip = np.minimum(np.maximum(slip, -limit), limit)
-        # Joint by joint: what one robot feels is nothing to the others.
-        slip[np.abs(slip) <= _FELT * limit] = 0.0
+            slip -= (carry.at(means.dt) - carry.at(0.0)) / means.dt if carry.older else carry.speed
+        # Joint by joint: what one robot feels is nothing to the others. What is far beyond all that
+        # a joint can do is no acceleration, but a jump of the source.
+        size = np.abs(slip)
+        np.minimum(np.maximum(slip, -limit), limit, out=slip)
+        slip[(size <= _FELT * limit) | (size > _JUMP * limit)] = 0.0
         if not slip[self.way.part.columns].any():
             return carry
         return replace(carry or Carry.none(slip.size, self.duration), slip=slip)

@@ -9,7 +9,9 @@ quintic H_1, H_2 lead its rate and its second derivative to rest in the time T o
 
 d' and d'' are those of the gap that was fading before. slip is what is left of the difference of
 the accelerations of A and of the source; it shows one tick after the latch, and as it is a
-difference of two messages it is led away in a short time tau.
+difference of two messages it is led away in a short time tau. A slip that still fades when the next
+gap is latched goes on to fade beside it, in its own time: as a part of d' and d'' its curvature of
+tau would be led away in T, and drive the command far off, farther with every latch.
 """
 
 from __future__ import annotations
@@ -20,6 +22,9 @@ import numpy as np
 
 from lexstack_core.linear import Vector
 from lexstack_core.transition.part import Columns
+
+Slip = tuple[Vector, float, float]
+"""A slip of a latch before, shape (n,), the time since that latch [s], and its tau [s]."""
 
 _SHORT = 0.2  # s, tau; a jump of the source by x is felt as an excursion of about 4 x at 100 Hz
 
@@ -33,12 +38,14 @@ class Carry:
         bend: d'', m/s^3 and rad/s^3.
         duration: T [s].
         slip: m/s^2 and rad/s^2; None until it is known.
+        older: slips of latches before, which still fade.
     """
 
     speed: Vector
     bend: Vector
     duration: float
     slip: Vector | None = None
+    older: tuple[Slip, ...] = ()
 
     @classmethod
     def none(cls, n: int, duration: float) -> Carry:
@@ -47,20 +54,42 @@ class Carry:
         return cls(zeros, zeros, duration)
 
     def with_part(self, columns: Columns, other: Carry) -> Carry:
-        """Return it with the motion of another one on some joints."""
+        """Return it with the motion of another one on some joints, where it has none itself."""
         speed, bend = self.speed.copy(), self.bend.copy()
         speed[columns], bend[columns] = other.speed[columns], other.bend[columns]
-        return replace(self, speed=speed, bend=bend)
+        older = tuple((_on(columns, slip), age, tau) for slip, age, tau in other.older)
+        return replace(self, speed=speed, bend=bend, older=(*self.older, *older))
 
     def at(self, elapsed: float) -> Vector:
         """Return its part of the gap ``elapsed`` seconds after the latch, shape (n,)."""
-        by_speed, by_bend = _quintics(elapsed / self.duration)
-        value = (self.duration * by_speed) * self.speed
-        value += (self.duration**2 * by_bend) * self.bend
+        value = self.lasting(elapsed)
         if self.slip is not None:
             tau = min(_SHORT, self.duration)
             value += (tau * _quintics(elapsed / tau)[0]) * self.slip
+        for slip, age, tau in self.older:
+            value += (tau * _quintics((age + elapsed) / tau)[0]) * slip
         return value
+
+    def lasting(self, elapsed: float) -> Vector:
+        """Return what ``at`` does, without the slips."""
+        by_speed, by_bend = _quintics(elapsed / self.duration)
+        value = (self.duration * by_speed) * self.speed
+        value += (self.duration**2 * by_bend) * self.bend
+        return value
+
+    def fading(self, elapsed: float) -> tuple[Slip, ...]:
+        """Return the slips that still fade ``elapsed`` seconds after the latch."""
+        slips = [(slip, age + elapsed, tau) for slip, age, tau in self.older]
+        if self.slip is not None:
+            slips.append((self.slip, elapsed, min(_SHORT, self.duration)))
+        return tuple(entry for entry in slips if entry[1] < entry[2])
+
+
+def _on(columns: Columns, vector: Vector) -> Vector:
+    """Return a vector with all but some joints set to zero."""
+    kept = np.zeros_like(vector)
+    kept[columns] = vector[columns]
+    return kept
 
 
 def _quintics(s: float) -> tuple[float, float]:

@@ -16,14 +16,13 @@ from lexstack_core.transition.bridge import goes_on
 from lexstack_core.transition.carry import Carry
 from lexstack_core.transition.methods import BRIDGES
 from lexstack_core.transition.part import Part
-from lexstack_core.transition.past import Past
+from lexstack_core.transition.past import HURRY, Past
 from lexstack_core.transition.plan import Means, Plan
-from lexstack_core.transition.relatch import LOSSES, level_jumps, source_jumps
+from lexstack_core.transition.relatch import LOSSES, level_jumps
 from lexstack_core.transition.sources import Choice, Moment, Sources
 from lexstack_core.transition.status import Source
 
 _NEAR = 10.0  # of what a joint follows in one tick: as old as a plan may be, and two ticks more
-_CALM = 0.0999  # s: of latches that follow within 0.1 s none takes up what the source does
 _SAME = 1e-3  # of what a joint's acceleration limit allows in one tick: no difference that is felt
 
 
@@ -137,17 +136,18 @@ class Channel:
         if choice.source is blend.source:
             if blend.start == moment.tick or not tally.may_latch(moment):
                 return blend
-            moved = level_jumps(blend.way, level, moment, means)
-            if not moved and unsteady and not blend.way.target.planned:
-                moved = source_jumps(blend.way, chi - blend.source_chi, blend.drift, means)
-            if not moved:
+            jumps = unsteady and blend.jumps(chi, means)
+            if not jumps and not level_jumps(blend.way, level, moment, means):
                 return blend
             tally = tally.with_target(moment)
+            tally = tally.seen() if jumps else tally
         past = past_of((self,), level, blend.request.duration, moment, means)
         if choice.source is Source.HTMPC and self._begins_here(chi, moment, means):
             past = Past(chi, past.level_goes_on, None)
         latched = Blend.latched(blend.way, (choice.source, chi), level, past, moment)
-        return replace(latched, alone=blend.alone, tally=tally)
+        # Who goes on as before is taken to move as before, until that is known; but not for ever.
+        drift = blend.drift if choice.source is blend.source and not past.recent else None
+        return replace(latched, drift=drift, alone=blend.alone, tally=tally)
 
     def _begins_here(self, chi: Vector, moment: Moment, means: Means) -> bool:
         """Return whether a plan that is back begins where these robots are, at chi (n,) now.
@@ -223,7 +223,7 @@ def past_of(
     references = moment.references if same else moment.before
     start = kinematics.state.command.copy()
     carry: Carry | None = None
-    calm = True
+    recent = 0
     for channel in channels:
         columns = channel.part.columns
         if channel.blend is None:
@@ -232,13 +232,14 @@ def past_of(
             start[columns] = chi[columns]
             continue
         same = same and channel.blend.bridge.epsilon is None
-        calm = calm and (moment.tick - channel.blend.start) * means.dt >= _CALM
+        if (moment.tick - channel.blend.start) * means.dt < HURRY:
+            recent = max(recent, channel.blend.recent + 1)
         step, left = channel.blend.left(moment.tick, duration, means)
         start[columns] += step[columns]
         if left is not None:
             carry = carry or Carry.none(start.size, duration)
             carry = carry.with_part(columns, left)
-    return Past(start, same, carry, calm)
+    return Past(start, same, carry, recent)
 
 
 def _at_end(blend: Blend, own: Vector, tick: int, means: Means) -> tuple[Blend, str]:

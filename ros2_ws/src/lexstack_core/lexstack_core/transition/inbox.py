@@ -17,7 +17,7 @@ class Inbox:
         self._samples: dict[int, dict[int, SourceSample]] = {}  # by transition, then by tick
 
     def put(self, sample: SourceSample) -> None:
-        """Keep a sample; of two for one tick the one with the later revision, else the later one."""
+        """Keep a sample; of two for one tick that with the later revision, else the later one."""
         samples = self._samples.setdefault(sample.transition_id, {})
         known = samples.pop(sample.tick, None)
         samples[sample.tick] = sample if known is None or not outdated(sample, known) else known

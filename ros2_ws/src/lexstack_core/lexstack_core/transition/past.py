@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from lexstack_core.linear import Vector
 from lexstack_core.transition.carry import Carry
 
+HURRY = 0.0999  # s: of three latches within 0.1 s each, the last takes up no acceleration
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Past:
@@ -16,11 +18,10 @@ class Past:
         start: chi_A, what A would send at this tick, shape (n,).
         level_goes_on: whether level 1 asks for what it asked for before.
         carry: the motion of the gap that was fading, None where there was none.
-        calm: whether a latch before this one is long ago, so that the command's motion is no
-            more a matter of latching.
+        recent: how many latches came before this one, each within ``HURRY`` of the next.
     """
 
     start: Vector
     level_goes_on: bool
     carry: Carry | None
-    calm: bool = True
+    recent: int = 0

@@ -10,9 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from lexstack_core.linear import LinearTask, Vector
+from lexstack_core.linear import LinearTask
 from lexstack_core.transition.bridge import follows_within
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.sources import Choice, Moment
@@ -21,6 +19,7 @@ from lexstack_core.transition.way import Way
 
 LOSSES = 3  # of robot B in one blend; from the last one on A does without it
 TARGETS = 10  # sets of targets for which one blend begins again
+_NEVER = -1_000_000  # a tick long before the first one
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,14 +30,15 @@ class Tally:
         losses: of robot B.
         targets: sets of targets that made it latch.
         counted: the revision of the last ones, -1 where it is not known.
-        anew: the last tick at which targets took effect at robot A; -1000000: none did.
+        anew: the last tick at which targets took effect at robot A; ``_NEVER``: none did, or the
+            source's chi has shown them.
         revision: of the references that the followed chi was solved with; None: not known.
     """
 
     losses: int = 0
     targets: int = 0
     counted: int = -1
-    anew: int = -1_000_000
+    anew: int = _NEVER
     revision: int | None = None
 
     def lost(self, before: Source, choice: Choice, *, done: bool) -> Tally:
@@ -53,6 +53,10 @@ class Tally:
         if revision == self.counted != -1:
             return self  # the same targets, still being led in
         return replace(self, targets=self.targets + 1, counted=revision)
+
+    def seen(self) -> Tally:
+        """Return it after new targets have shown in the source's chi: no more are expected."""
+        return replace(self, anew=_NEVER)
 
     def may_latch(self, moment: Moment) -> bool:
         """Return whether the references of this tick may make the blend latch."""
@@ -93,17 +97,3 @@ def level_jumps(way: Way, level: tuple[LinearTask, ...], moment: Moment, means: 
         return False
     old = way.target.first(moment.kinematics, moment.before)
     return not follows_within(level, old, means.reach)
-
-
-def source_jumps(way: Way, step: Vector, drift: Vector | None, means: Means) -> bool:
-    """Return whether a source's chi moved by more than the joints follow in one tick.
-
-    Args:
-        way: of the robots that follow it.
-        step: from the chi of the tick before, shape (n,).
-        drift: the step of the tick before, shape (n,); None: not known.
-        means: what the controller lends.
-    """
-    mine = way.part.columns
-    jump = step if drift is None else step - drift
-    return bool((np.abs(jump[mine]) > means.reach[mine]).any())
