@@ -49,6 +49,7 @@ def solve_by_exchange(
     rounds: int,
     changes: int | None = None,
     bands: Bands | None = None,
+    inside: float = FEASIBILITY,
 ) -> Vector | None:
     """Return the exact optimum chi, shape (n,), or None if no guess in ``rounds`` was right.
 
@@ -64,6 +65,7 @@ def solve_by_exchange(
         rounds: the number of guesses to try.
         changes: give up where a guess was wrong in more places; None: never.
         bands: how the levels were divided, if they were.
+        inside: how far outside its interval a joint or row still counts as inside.
     """
     fixed = upper - lower <= FEASIBILITY
     if np.count_nonzero(fixed):
@@ -78,11 +80,13 @@ def solve_by_exchange(
         steps = _chain(hierarchy, guess.rows, basis, chi, pressing)
         if begin is not None and not settle(steps, bands, begin, chi):
             return None
-        if not math.isfinite(chi.dot(chi)):
+        square = chi.dot(chi)
+        if not math.isfinite(square):
             return None
-        held = _hold_violated(chi, lower, upper, guess.joints, chi)
+        near = max(inside, noise(math.sqrt(square)))
+        held = _hold_violated(chi, lower, upper, guess.joints, near)
         if not hierarchy.exact:
-            held += _hold_rows(hierarchy, chi, guess.rows)
+            held += _hold_rows(hierarchy, chi, guess.rows, near)
         if held and left == 0:
             return None
         wrong = held + (_release(hierarchy, steps, chi, guess, fixed, bands) if pressing else 0)
@@ -181,24 +185,28 @@ def _move(step: Step, chi: Vector, last: bool) -> Matrix | None:
     return left
 
 
-def _hold_rows(hierarchy: Hierarchy, chi: Vector, rows: Signs) -> int:
+def _hold_rows(hierarchy: Hierarchy, chi: Vector, rows: Signs, inside: float) -> int:
     """Hold the inequality rows that chi violates; return how many there were."""
     end = hierarchy.deciding[-1].part.stop if hierarchy.deciding else 0
     if end == 0:
         return 0
     lower, upper = hierarchy.lower[:end], hierarchy.upper[:end]
     value = np.where(hierarchy.equal[:end], lower, hierarchy.matrix[:end].dot(chi))
-    return _hold_violated(value, lower, upper, rows[:end], chi)
+    return _hold_violated(value, lower, upper, rows[:end], inside)
 
 
-def _hold_violated(value: Vector, lower: Vector, upper: Vector, sides: Signs, chi: Vector) -> int:
+def _hold_violated(
+    value: Vector, lower: Vector, upper: Vector, sides: Signs, inside: float
+) -> int:
     """Set the side of every value that is outside and free; return how many there were."""
+    if not value.size:
+        return 0
     above = value - upper
     below = lower - value
     outside = np.maximum(above, below)
-    if outside[outside.argmax()] <= FEASIBILITY:  # four times as fast as max()
+    if outside[outside.argmax()] <= inside:  # four times as fast as max()
         return 0
-    violated = (outside > max(FEASIBILITY, noise(math.sqrt(chi.dot(chi))))) & (sides == 0)
+    violated = (outside > inside) & (sides == 0)
     sides[violated] = np.where(above > below, 1, -1)[violated]
     return int(np.count_nonzero(violated))
 

@@ -18,6 +18,8 @@ from lexstack_core.hqp.scaling import Bands
 from lexstack_core.linear import Vector
 
 _ROUNDS = 30
+# A large band gives way to a small one by so little that the active set may not be resolved.
+_NEARLY = 1e-9
 _ENORMOUS = 2.0**17  # its square is the share by which a small band moves a large one
 
 
@@ -40,10 +42,11 @@ def with_weights(
     joints: Signs = np.zeros(chi.size, dtype=np.int8)
     joints[chi - lower <= near] = -1
     joints[upper - chi <= near] = 1
-    guess = Guess(joints, hierarchy.touched(chi))
-    found = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, None, bands)
-    if found is not None:
-        return np.minimum(np.maximum(found, lower), upper), ""
+    for inside in (FEASIBILITY, _NEARLY):
+        guess = Guess(joints.copy(), hierarchy.touched(chi))
+        found = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, None, bands, inside)
+        if found is not None:
+            return np.minimum(np.maximum(found, lower), upper), ""
     if bands.gap() >= _ENORMOUS:
         return chi, ""
     return chi, f"level {unmet}: its rows differ too much in size"
