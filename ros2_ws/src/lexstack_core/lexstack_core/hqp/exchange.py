@@ -40,6 +40,18 @@ class Guess:
         rows[~hierarchy.equal] = sides[n:]
         return cls(sides[:n].copy(), rows)
 
+    def copy(self) -> Guess:
+        """Return a guess of its own."""
+        return Guess(self.joints.copy(), self.rows.copy())
+
+    def keep_first_change(self, before: Guess) -> None:
+        """Take back all changes but the first one: of a joint if there is one, else of a row."""
+        first = True
+        for own, old in ((self.joints, before.joints), (self.rows, before.rows)):
+            changed = np.flatnonzero(own != old)[1 if first else 0 :]
+            first = first and not np.count_nonzero(own != old)
+            own[changed] = old[changed]
+
 
 def solve_by_exchange(
     hierarchy: Hierarchy,
@@ -50,6 +62,7 @@ def solve_by_exchange(
     changes: int | None = None,
     bands: Bands | None = None,
     inside: float = FEASIBILITY,
+    single: bool = False,
 ) -> Vector | None:
     """Return the exact optimum chi, shape (n,), or None if no guess in ``rounds`` was right.
 
@@ -66,6 +79,7 @@ def solve_by_exchange(
         changes: give up where a guess was wrong in more places; None: never.
         bands: how the levels were divided, if they were.
         inside: how far outside its interval a joint or row still counts as inside.
+        single: exchange only the first wrong place of each round, which cannot cycle (Murty 1974).
     """
     fixed = upper - lower <= FEASIBILITY
     if np.count_nonzero(fixed):
@@ -77,12 +91,13 @@ def solve_by_exchange(
             basis = _unit(chi.size).compress(guess.joints == 0, axis=1)
         pressing = basis is not None or bool(np.count_nonzero(guess.rows))
         begin = chi.copy() if bands is not None and bands.several else None
-        steps = _chain(hierarchy, guess.rows, basis, chi, pressing)
+        steps = _chain(hierarchy, guess.rows, basis, chi, pressing or begin is not None)
         if begin is not None and not settle(steps, bands, begin, chi):
             return None
         square = chi.dot(chi)
         if not math.isfinite(square):
             return None
+        before = guess.copy() if single else guess
         near = max(inside, noise(math.sqrt(square)))
         held = _hold_violated(chi, lower, upper, guess.joints, near)
         if not hierarchy.exact:
@@ -94,6 +109,8 @@ def solve_by_exchange(
             return chi
         if changes is not None and wrong > changes:
             return None
+        if single:
+            guess.keep_first_change(before)
     return None
 
 

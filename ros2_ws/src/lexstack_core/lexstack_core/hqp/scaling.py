@@ -73,7 +73,7 @@ def scaled(hierarchy: Hierarchy, levels: Levels) -> tuple[Hierarchy, Bands | Non
         hierarchy: of the levels; returned as it is, with None, where no row needs it.
         levels: of the problem.
     """
-    squares = np.einsum("ij,ij->i", hierarchy.matrix, hierarchy.matrix)
+    squares = np.vecdot(hierarchy.matrix, hierarchy.matrix)
     if _moderate(squares) or _moderate(squares[squares > 0.0]):
         return hierarchy, None
     norms = np.sqrt(squares)

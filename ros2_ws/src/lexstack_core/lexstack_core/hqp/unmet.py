@@ -17,7 +17,8 @@ from lexstack_core.hqp.rows import FEASIBILITY, Hierarchy, Signs, noise
 from lexstack_core.hqp.scaling import Bands
 from lexstack_core.linear import Vector
 
-_ROUNDS = 30
+_ROUNDS = 10
+_SINGLE_ROUNDS = 300
 # A large band gives way to a small one by so little that the active set may not be resolved.
 _NEARLY = 1e-9
 _ENORMOUS = 2.0**17  # its square is the share by which a small band moves a large one
@@ -42,9 +43,12 @@ def with_weights(
     joints: Signs = np.zeros(chi.size, dtype=np.int8)
     joints[chi - lower <= near] = -1
     joints[upper - chi <= near] = 1
-    for inside in (FEASIBILITY, _NEARLY):
+    for rounds, inside in ((_ROUNDS, FEASIBILITY), (_SINGLE_ROUNDS, _NEARLY)):
         guess = Guess(joints.copy(), hierarchy.touched(chi))
-        found = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, None, bands, inside)
+        single = rounds == _SINGLE_ROUNDS
+        found = solve_by_exchange(
+            hierarchy, lower, upper, guess, rounds, None, bands, inside, single
+        )
         if found is not None:
             return np.minimum(np.maximum(found, lower), upper), ""
     if bands.gap() >= _ENORMOUS:
