@@ -92,6 +92,8 @@ class NullSpaceCascade:
             held: the joints that held at the last optimum, if there is one, shape (n,).
         """
         lower, upper = bounds.lower, bounds.upper
+        if not chi.size:
+            return chi, ""
         if self._guesses:
             guessed = self._guess(hierarchy, lower, upper, guess, bands)
             if guessed is not None:

@@ -84,6 +84,8 @@ def solve_by_exchange(
     fixed = upper - lower <= FEASIBILITY
     if np.count_nonzero(fixed):
         guess.joints[fixed] = 1
+    else:
+        fixed = None
     for left in range(rounds - 1, -1, -1):
         chi, basis = hierarchy.nearest.copy(), None
         if np.count_nonzero(guess.joints):
@@ -98,10 +100,9 @@ def solve_by_exchange(
         if not math.isfinite(square):
             return None
         before = guess.copy() if single else guess
-        near = max(inside, noise(math.sqrt(square)))
-        held = _hold_violated(chi, lower, upper, guess.joints, near)
+        held = _hold_violated(chi, lower, upper, guess.joints, inside, square)
         if not hierarchy.exact:
-            held += _hold_rows(hierarchy, chi, guess.rows, near)
+            held += _hold_rows(hierarchy, chi, guess.rows, inside, square)
         if held and left == 0:
             return None
         wrong = held + (_release(hierarchy, steps, chi, guess, fixed, bands) if pressing else 0)
@@ -202,28 +203,32 @@ def _move(step: Step, chi: Vector, last: bool) -> Matrix | None:
     return left
 
 
-def _hold_rows(hierarchy: Hierarchy, chi: Vector, rows: Signs, inside: float) -> int:
+def _hold_rows(
+    hierarchy: Hierarchy, chi: Vector, rows: Signs, inside: float, square: float
+) -> int:
     """Hold the inequality rows that chi violates; return how many there were."""
     end = hierarchy.deciding[-1].part.stop if hierarchy.deciding else 0
     if end == 0:
         return 0
     lower, upper = hierarchy.lower[:end], hierarchy.upper[:end]
     value = np.where(hierarchy.equal[:end], lower, hierarchy.matrix[:end].dot(chi))
-    return _hold_violated(value, lower, upper, rows[:end], inside)
+    return _hold_violated(value, lower, upper, rows[:end], inside, square)
 
 
 def _hold_violated(
-    value: Vector, lower: Vector, upper: Vector, sides: Signs, inside: float
+    value: Vector, lower: Vector, upper: Vector, sides: Signs, inside: float, square: float
 ) -> int:
-    """Set the side of every value that is outside and free; return how many there were."""
-    if not value.size:
-        return 0
+    """Set the side of every value that is outside and free; return how many there were.
+
+    What counts as outside is more than ``inside``, and more than the rounding of a chi whose
+    squared length is ``square``.
+    """
     above = value - upper
     below = lower - value
     outside = np.maximum(above, below)
     if outside[outside.argmax()] <= inside:  # four times as fast as max()
         return 0
-    violated = (outside > inside) & (sides == 0)
+    violated = (outside > max(inside, noise(math.sqrt(square)))) & (sides == 0)
     sides[violated] = np.where(above > below, 1, -1)[violated]
     return int(np.count_nonzero(violated))
 
@@ -233,7 +238,7 @@ def _release(
     steps: list[Step],
     chi: Vector,
     guess: Guess,
-    fixed: Mask,
+    fixed: Mask | None,
     bands: Bands | None,
 ) -> int:
     """Release what the highest level that feels it pulls inside; return how many there were.
@@ -261,8 +266,8 @@ def _release(
         if forces is not None and step.chosen is not None:
             forces[j, step.chosen] = residual
             forces[j + 1 :, step.chosen] = -multipliers
-    # In place, because it is not needed any more; what cannot move anyway is not judged.
-    judged = np.where(fixed, np.int8(0), guess.joints)
+    # What cannot move anyway is not judged. In place, because it is not needed any more.
+    judged = guess.joints if fixed is None else np.where(fixed, np.int8(0), guess.joints)
     balance = Balance(steps, chi, sweep, bands)
     released = judge(guess.joints, judged, np.negative(gradient, out=gradient), balance)
     if forces is not None:

@@ -111,23 +111,26 @@ class Hierarchy:
 
     @classmethod
     def of_rows(
-        cls, rows: tuple[Matrix, Vector, Vector, Mask], sizes: list[int], mergeable: int
+        cls,
+        rows: tuple[Matrix, Vector, Vector, Mask],
+        sizes: list[int],
+        parted: frozenset[int],
     ) -> Hierarchy:
         """Return the hierarchy of rows that are stacked already.
 
         Args:
             rows: matrix, lower and upper ends, and the mask of the equality objectives.
             sizes: how many rows each level has.
-            mergeable: how many levels may be merged at most, from the first one on.
+            parted: the levels that give way to others, so that no short cut may be taken.
         """
         made = cls.__new__(cls)
         made.matrix, made.lower, made.upper, made.equal = rows
         made.exact = bool(made.equal.all())
-        made._divide(sizes)
-        made.mergeable = min(made.mergeable, mergeable)
+        made._divide(sizes, parted)
+        made.mergeable = min(made.mergeable, *parted, len(sizes))
         return made
 
-    def _divide(self, sizes: list[int]) -> None:
+    def _divide(self, sizes: list[int], parted: frozenset[int] = frozenset()) -> None:
         """Make the levels of the stacked rows."""
         self.levels: list[LevelRows] = []
         self.deciding: list[LevelRows] = []
@@ -137,23 +140,24 @@ class Hierarchy:
         for size in sizes:
             end = start + size
             added = self._add(slice(start, end))
-            freedom = freedom and self._decides(added)
+            freedom = freedom and self._decides(added, len(self.levels) - 1 in parted)
             start = end
 
     def _add(self, part: slice) -> LevelRows:
         """Append the level of some rows."""
-        matrix, equal = self.matrix[part], self.equal[part]
+        matrix, lower, equal = self.matrix[part], self.lower[part], self.equal[part]
         flat = matrix.reshape(-1)
         exact = self.exact or bool(equal.all())
         norm = math.sqrt(flat.dot(flat)) or 1.0
-        level = LevelRows(part, matrix, self.lower[part], self.upper[part], equal, exact, norm)
+        upper = lower if self.exact else self.upper[part]
+        level = LevelRows(part, matrix, lower, upper, equal, exact, norm)
         self.levels.append(level)
         return level
 
-    def _decides(self, level: LevelRows) -> bool:
+    def _decides(self, level: LevelRows, parted: bool) -> bool:
         """Take a level up among the deciding ones; return whether the levels below have a say."""
         rows, n = level.matrix.shape
-        scale = unit_scale(level.matrix) if level.exact and rows == n else 0.0
+        scale = unit_scale(level.matrix) if level.exact and rows == n and not parted else 0.0
         if scale:
             self.nearest = level.lower / scale
             return False
