@@ -22,6 +22,8 @@ from lexstack_core.hqp.qp import LevelQp, QpBackend
 from lexstack_core.hqp.reduction import Walls, reduce_level
 from lexstack_core.hqp.refine import Point, refine
 from lexstack_core.hqp.rows import FEASIBILITY, Hierarchy, LevelRows, Signs
+from lexstack_core.hqp.scaling import Bands, scaled
+from lexstack_core.hqp.unmet import with_weights
 from lexstack_core.linear import LinearTask, Matrix, Vector
 
 _BACKEND_ERRORS = (ArithmeticError, RuntimeError, ValueError)
@@ -51,9 +53,19 @@ class NullSpaceCascade:
         # Numbers that are not finite are found and said; numpy need not warn of them as well.
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             hierarchy = Hierarchy(problem.levels, problem.bounds.lower.size)
-            chi, reason = self._chi(hierarchy, problem.bounds, warm)
+            chi, reason = starting_point(hierarchy, problem.bounds.lower, problem.bounds.upper)
+            even, bands = hierarchy, None
+            if not reason:
+                even, bands = scaled(hierarchy, problem.levels)
+                guess = _last(hierarchy, warm, chi.size)
+                if bands is not None:
+                    guess.rows = bands.rows_of(guess.rows)
+                held = warm.active if warm is not None and warm.active.size == chi.size else None
+                chi, reason = self._chi(even, bands, problem.bounds, chi, guess, held)
             slacks = hierarchy.slacks(hierarchy.residual(chi))
-            rows = hierarchy.touched(chi)
+            rows = even.touched(chi)
+            if bands is not None:
+                rows = bands.restored(rows)
         active = touched(chi, problem.bounds)
         for array in (chi, active, slacks, rows):
             array.setflags(write=False)
@@ -61,26 +73,51 @@ class NullSpaceCascade:
         return Solution(chi, slacks, status, reason, active, time.perf_counter() - start, rows)
 
     def _chi(
-        self, hierarchy: Hierarchy, bounds: Bounds, warm: Solution | None
+        self,
+        hierarchy: Hierarchy,
+        bands: Bands | None,
+        bounds: Bounds,
+        chi: Vector,
+        guess: Guess,
+        held: Signs | None,
     ) -> tuple[Vector, str]:
-        """Return chi inside the bounds, and why it is not the optimum, if it is not."""
+        """Return chi inside the bounds, and why it is not the optimum, if it is not.
+
+        Args:
+            hierarchy: scaled.
+            bands: how, if it was.
+            bounds: of chi.
+            chi: a point inside them, shape (n,).
+            guess: what probably holds.
+            held: the joints that held at the last optimum, if there is one, shape (n,).
+        """
         lower, upper = bounds.lower, bounds.upper
-        chi, reason = starting_point(hierarchy, lower, upper)
-        if reason:
-            return chi, reason
-        guess = _last(hierarchy, warm, chi.size)
+        if not chi.size:
+            return chi, ""
         if self._guesses:
-            guessed = self._guess(hierarchy, lower, upper, guess)
+            guessed = self._guess(hierarchy, lower, upper, guess, bands)
             if guessed is not None:
                 return np.minimum(np.maximum(guessed, lower), upper), ""
-        held = guess.joints if warm is None or warm.active.size != chi.size else warm.active
-        return self._descend(hierarchy.levels, lower, upper, chi, held)
+        chi, k, why = self._descend(
+            hierarchy.levels, lower, upper, chi, guess.joints if held is None else held
+        )
+        if why:
+            level = k if bands is None else bands.owner[k]
+            return chi, f"level {level}: {self._backend.name}: {why}"
+        if bands is None or not bands.several:
+            return chi, ""
+        return with_weights(hierarchy, bands, (lower, upper), chi)
 
     def _guess(
-        self, hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Guess
+        self,
+        hierarchy: Hierarchy,
+        lower: Vector,
+        upper: Vector,
+        guess: Guess,
+        bands: Bands | None,
     ) -> Vector | None:
         """Return the optimum if the last active set, or one that the backend foresees, is its."""
-        chi = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, _FEW)
+        chi = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, _FEW, bands)
         if chi is not None:
             return chi
         try:
@@ -89,12 +126,13 @@ class NullSpaceCascade:
             sides = None
         if sides is None:
             return None
-        return solve_by_exchange(hierarchy, lower, upper, Guess.split(hierarchy, sides), _ROUNDS)
+        foreseen = Guess.split(hierarchy, sides)
+        return solve_by_exchange(hierarchy, lower, upper, foreseen, _ROUNDS, None, bands)
 
     def _descend(
         self, levels: list[LevelRows], lower: Vector, upper: Vector, chi: Vector, held: Signs
-    ) -> tuple[Vector, str]:
-        """Solve level by level from a chi inside the bounds; return chi and why it stopped."""
+    ) -> tuple[Vector, int, str]:
+        """Solve level by level from a chi inside the bounds; return chi, where it stopped and why."""
         basis: Matrix = np.eye(lower.size)[:, upper - lower > FEASIBILITY]
         walls = [Walls.of_bounds(lower, upper)]
         for k, level in enumerate([*levels, _smallest(lower.size)]):
@@ -104,13 +142,12 @@ class NullSpaceCascade:
             point = self._solve_level(qp, held[joints])
             if isinstance(point, str):
                 # All levels are solved when only the smallest chi is not.
-                solved = k == len(levels)
-                return chi, "" if solved else f"level {k}: {self._backend.name}: {point}"
+                return chi, k, "" if k == len(levels) else point
             chi = np.minimum(np.maximum(chi + basis.dot(point.z), lower), upper)
             basis = basis.dot(point.null)
             if not level.exact:
                 walls.append(Walls.of_satisfied(level, point.broken))
-        return chi, ""
+        return chi, 0, ""
 
     def _solve_level(self, qp: LevelQp, guess: Signs) -> Point | str:
         """Return the optimum of a level, or the backend's word for why there is none."""

@@ -17,7 +17,7 @@ from lexstack_core.linear import Vector
 # optimum out of many; what it costs is removed afterwards. The second one is for levels that are
 # singular but for rounding, where DAQP may fail with the first.
 _SECOND_PROXIMAL = 1e-6
-_ITERATIONS = 300
+_ITERATIONS = 300  # for up to 100 rows and columns together, more in proportion
 _FEW_ITERATIONS = 100
 _ACTIVE, _LOWER = 1, 2
 _WORDS = {
@@ -37,8 +37,9 @@ class DaqpBackend:
 
     def solve(self, qp: LevelQp, guess: Signs) -> Signs | str:
         """Solve with DAQP; ``guess`` becomes its first working set."""
-        sides = _solve(qp, guess, qp.proximal, _ITERATIONS)
-        return _solve(qp, guess, _SECOND_PROXIMAL, _ITERATIONS) if isinstance(sides, str) else sides
+        iterations = _ITERATIONS * max(1, sum(qp.rows.shape) // 50)
+        sides = _solve(qp, guess, qp.proximal, iterations)
+        return _solve(qp, guess, _SECOND_PROXIMAL, iterations) if isinstance(sides, str) else sides
 
     def foresee(
         self, hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Signs

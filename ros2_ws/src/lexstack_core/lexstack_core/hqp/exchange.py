@@ -16,16 +16,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from lexstack_core.hqp.factor import Factor, factorise, factorise_full
-from lexstack_core.hqp.rows import (
-    FEASIBILITY,
-    MULTIPLIER,
-    Hierarchy,
-    Indices,
-    LevelRows,
-    Mask,
-    Signs,
-)
+from lexstack_core.hqp.bands import settle
+from lexstack_core.hqp.factor import factorise, factorise_full
+from lexstack_core.hqp.judge import Balance, judge
+from lexstack_core.hqp.rows import FEASIBILITY, Hierarchy, LevelRows, Mask, Signs, noise
+from lexstack_core.hqp.scaling import Bands
+from lexstack_core.hqp.step import Step
 from lexstack_core.linear import Matrix, Vector
 
 
@@ -44,24 +40,17 @@ class Guess:
         rows[~hierarchy.equal] = sides[n:]
         return cls(sides[:n].copy(), rows)
 
+    def copy(self) -> Guess:
+        """Return a guess of its own."""
+        return Guess(self.joints.copy(), self.rows.copy())
 
-@dataclass(slots=True)
-class _Step:
-    """One level of the chain, or several that are met together.
-
-    Attributes:
-        rows: the objective rows, all columns, shape (m, n).
-        target: shape (m,).
-        chosen: which rows of the hierarchy these are, shape (m,); None where none can be released.
-        basis: the free directions above this level, shape (n, r); None for all.
-        factor: of the rows in these directions.
-    """
-
-    rows: Matrix
-    target: Vector
-    chosen: Indices | None
-    basis: Matrix | None
-    factor: Factor
+    def keep_first_change(self, before: Guess) -> None:
+        """Take back all changes but the first one: of a joint if there is one, else of a row."""
+        first = True
+        for own, old in ((self.joints, before.joints), (self.rows, before.rows)):
+            changed = np.flatnonzero(own != old)[1 if first else 0 :]
+            first = first and not np.count_nonzero(own != old)
+            own[changed] = old[changed]
 
 
 def solve_by_exchange(
@@ -71,6 +60,9 @@ def solve_by_exchange(
     guess: Guess,
     rounds: int,
     changes: int | None = None,
+    bands: Bands | None = None,
+    inside: float = FEASIBILITY,
+    single: bool = False,
 ) -> Vector | None:
     """Return the exact optimum chi, shape (n,), or None if no guess in ``rounds`` was right.
 
@@ -85,29 +77,41 @@ def solve_by_exchange(
         guess: what probably holds; it is left as the last one tried.
         rounds: the number of guesses to try.
         changes: give up where a guess was wrong in more places; None: never.
+        bands: how the levels were divided, if they were.
+        inside: how far outside its interval a joint or row still counts as inside.
+        single: exchange only the first wrong place of each round, which cannot cycle (Murty 1974).
     """
     fixed = upper - lower <= FEASIBILITY
     if np.count_nonzero(fixed):
         guess.joints[fixed] = 1
+    else:
+        fixed = None
     for left in range(rounds - 1, -1, -1):
         chi, basis = hierarchy.nearest.copy(), None
         if np.count_nonzero(guess.joints):
             chi = _on_bounds(guess.joints, lower, upper, chi)
             basis = _unit(chi.size).compress(guess.joints == 0, axis=1)
         pressing = basis is not None or bool(np.count_nonzero(guess.rows))
-        steps = _chain(hierarchy, guess.rows, basis, chi, pressing)
-        if not math.isfinite(chi.dot(chi)):
+        begin = chi.copy() if bands is not None and bands.several else None
+        steps = _chain(hierarchy, guess.rows, basis, chi, pressing or begin is not None)
+        if begin is not None and not settle(steps, bands, begin, chi):
             return None
-        held = _hold_violated(chi, lower, upper, guess.joints)
+        square = chi.dot(chi)
+        if not math.isfinite(square):
+            return None
+        before = guess.copy() if single else guess
+        held = _hold_violated(chi, lower, upper, guess.joints, inside, square)
         if not hierarchy.exact:
-            held += _hold_rows(hierarchy, chi, guess.rows)
+            held += _hold_rows(hierarchy, chi, guess.rows, inside, square)
         if held and left == 0:
             return None
-        wrong = held + (_release(hierarchy, steps, chi, guess, fixed) if pressing else 0)
+        wrong = held + (_release(hierarchy, steps, chi, guess, fixed, bands) if pressing else 0)
         if not wrong:
             return chi
         if changes is not None and wrong > changes:
             return None
+        if single:
+            guess.keep_first_change(before)
     return None
 
 
@@ -131,7 +135,7 @@ def _on_bounds(joints: Signs, lower: Vector, upper: Vector, nearest: Vector) -> 
 
 def _chain(
     hierarchy: Hierarchy, rows: Signs, basis: Matrix | None, chi: Vector, pressing: bool
-) -> list[_Step]:
+) -> list[Step]:
     """Move chi to the lexicographic least-squares point of a guess; return the steps to it.
 
     Args:
@@ -141,11 +145,11 @@ def _chain(
         chi: where the chain begins, the held joints at their bounds, shape (n,); moved in place.
         pressing: whether the steps behind the last freedom are of interest too.
     """
-    levels = hierarchy.deciding
-    steps: list[_Step] = []
+    levels, above = hierarchy.deciding, 0
+    steps: list[Step] = []
     first = _merged(hierarchy, basis) if hierarchy.mergeable > 1 else None
     if first is not None:
-        levels = levels[hierarchy.mergeable :]
+        levels, above = levels[hierarchy.mergeable :], hierarchy.mergeable
         steps.append(first)
         basis = _move(first, chi, not levels)
     for k, level in enumerate(levels, start=1):
@@ -154,13 +158,13 @@ def _chain(
         last = k == len(levels)
         if not (level.exact or level.equal.any() or rows[level.part].any()):
             continue  # no row of it asks for anything
-        step = _step(level, rows, basis, last)
+        step = _step(level, above + k - 1, rows, basis, last)
         steps.append(step)
         basis = _move(step, chi, last)
     return steps
 
 
-def _merged(hierarchy: Hierarchy, basis: Matrix | None) -> _Step | None:
+def _merged(hierarchy: Hierarchy, basis: Matrix | None) -> Step | None:
     """Return the first levels as one, if they can all be met: then their order does not matter."""
     count = hierarchy.mergeable
     levels = hierarchy.deciding[:count]
@@ -173,11 +177,11 @@ def _merged(hierarchy: Hierarchy, basis: Matrix | None) -> _Step | None:
     factor = factorise_full(reduced, tolerance, count == len(hierarchy.deciding))
     if factor is None:
         return None
-    return _Step(rows, hierarchy.lower[:end], None, basis, factor)
+    return Step(-1, rows, hierarchy.lower[:end], None, basis, factor)
 
 
-def _step(level: LevelRows, rows: Signs, basis: Matrix | None, last: bool) -> _Step:
-    """Return the step of one level, with its held rows, in the directions of ``basis``."""
+def _step(level: LevelRows, k: int, rows: Signs, basis: Matrix | None, last: bool) -> Step:
+    """Return the step of level k, with its held rows, in the directions of ``basis``."""
     if level.exact:
         matrix, target, chosen = level.matrix, level.lower, None
     else:
@@ -187,45 +191,55 @@ def _step(level: LevelRows, rows: Signs, basis: Matrix | None, last: bool) -> _S
         target = np.where(sides < 0, level.lower, level.upper)[local]
         chosen = local + level.part.start
     reduced = matrix if basis is None else matrix.dot(basis)
-    return _Step(matrix, target, chosen, basis, factorise(reduced, level.tolerance, last))
+    return Step(k, matrix, target, chosen, basis, factorise(reduced, level.tolerance, last))
 
 
-def _move(step: _Step, chi: Vector, last: bool) -> Matrix | None:
+def _move(step: Step, chi: Vector, last: bool) -> Matrix | None:
     """Move chi to the optimum of a step; return the directions that it leaves, None if last."""
-    factor = step.factor
-    if factor.rank > 0:
-        move = factor.solve(step.target - step.rows.dot(chi))
-        chi += move if step.basis is None else step.basis.dot(move)
+    step.move(chi)
     if last:
         return None
-    left: Matrix = factor.null if step.basis is None else step.basis.dot(factor.null)
+    left: Matrix = step.factor.null if step.basis is None else step.basis.dot(step.factor.null)
     return left
 
 
-def _hold_rows(hierarchy: Hierarchy, chi: Vector, rows: Signs) -> int:
+def _hold_rows(
+    hierarchy: Hierarchy, chi: Vector, rows: Signs, inside: float, square: float
+) -> int:
     """Hold the inequality rows that chi violates; return how many there were."""
     end = hierarchy.deciding[-1].part.stop if hierarchy.deciding else 0
     if end == 0:
         return 0
     lower, upper = hierarchy.lower[:end], hierarchy.upper[:end]
     value = np.where(hierarchy.equal[:end], lower, hierarchy.matrix[:end].dot(chi))
-    return _hold_violated(value, lower, upper, rows[:end])
+    return _hold_violated(value, lower, upper, rows[:end], inside, square)
 
 
-def _hold_violated(value: Vector, lower: Vector, upper: Vector, sides: Signs) -> int:
-    """Set the side of every value that is outside and free; return how many there were."""
+def _hold_violated(
+    value: Vector, lower: Vector, upper: Vector, sides: Signs, inside: float, square: float
+) -> int:
+    """Set the side of every value that is outside and free; return how many there were.
+
+    What counts as outside is more than ``inside``, and more than the rounding of a chi whose
+    squared length is ``square``.
+    """
     above = value - upper
     below = lower - value
     outside = np.maximum(above, below)
-    if outside[outside.argmax()] <= FEASIBILITY:  # four times as fast as max()
+    if outside[outside.argmax()] <= inside:  # four times as fast as max()
         return 0
-    violated = (outside > FEASIBILITY) & (sides == 0)
+    violated = (outside > max(inside, noise(math.sqrt(square)))) & (sides == 0)
     sides[violated] = np.where(above > below, 1, -1)[violated]
     return int(np.count_nonzero(violated))
 
 
 def _release(
-    hierarchy: Hierarchy, steps: list[_Step], chi: Vector, guess: Guess, fixed: Mask
+    hierarchy: Hierarchy,
+    steps: list[Step],
+    chi: Vector,
+    guess: Guess,
+    fixed: Mask | None,
+    bands: Bands | None,
 ) -> int:
     """Release what the highest level that feels it pulls inside; return how many there were.
 
@@ -238,6 +252,7 @@ def _release(
     gradient = np.empty((count + 1, chi.size))
     gradient[count] = chi - hierarchy.nearest
     forces = None if hierarchy.exact else np.zeros((count + 1, guess.rows.size))
+    sweep = []
     for j in range(count - 1, -1, -1):
         step = steps[j]
         residual = step.rows.dot(chi) - step.target
@@ -247,30 +262,14 @@ def _release(
             below if step.basis is None else below.dot(step.basis)
         )
         below -= multipliers.dot(step.rows)
+        sweep.append(multipliers)
         if forces is not None and step.chosen is not None:
             forces[j, step.chosen] = residual
             forces[j + 1 :, step.chosen] = -multipliers
-    # In place, because it is not needed any more; what cannot move anyway is not judged.
-    judged = np.where(fixed, np.int8(0), guess.joints)
-    released = _judge(guess.joints, judged, np.negative(gradient, out=gradient))
+    # What cannot move anyway is not judged. In place, because it is not needed any more.
+    judged = guess.joints if fixed is None else np.where(fixed, np.int8(0), guess.joints)
+    balance = Balance(steps, chi, sweep, bands)
+    released = judge(guess.joints, judged, np.negative(gradient, out=gradient), balance)
     if forces is not None:
-        released += _judge(guess.rows, guess.rows, forces)
+        released += judge(guess.rows, guess.rows, forces, balance)
     return released
-
-
-def _judge(sides: Signs, judged: Signs, forces: Matrix) -> int:
-    """Release what is pulled by the first force on it that is not zero; return how many are.
-
-    Args:
-        sides: shape (m,), of joints or of rows; zero where released.
-        judged: those that may be released, shape (m,).
-        forces: outward, in the order of the levels, shape (levels, m).
-    """
-    pressed = forces * judged
-    if pressed.min(initial=0.0) >= -MULTIPLIER:
-        return 0  # mostly; the order of the levels matters where some pull and some press
-    felt = np.abs(pressed) > MULTIPLIER
-    first = pressed[felt.argmax(axis=0), np.arange(judged.size)]
-    pulled = first < -MULTIPLIER
-    sides[pulled] = 0
-    return int(np.count_nonzero(pulled))

@@ -25,6 +25,10 @@ HARDEST = 1e6
 ROUNDS = 100
 MET = 3e-14
 _VIOLATED = 1e-8  # of a level above: more than this is no answer
+_OPTIMAL = 1e-8  # of the terms of a gradient: scipy leaves up to 1e-9 where it has arrived
+_NEAR = 1e-12  # nearer than this to its bound, a joint is at it
+_APART = 1e3  # rows of a level whose norms differ by more are beyond what its penalties resolve
+_NOTHING = 1e-13  # of the largest norm: smaller rows are rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +37,8 @@ class OracleLevel:
 
     Attributes:
         optimum: norm of the residual.
-        violation: largest deviation of a row of the levels above from what they reached.
+        violation: largest deviation of a row of the levels above from what they reached, with
+            rows of about 1.
         chi: where that is, shape (n,).
     """
 
@@ -92,14 +97,42 @@ def lexicographic_oracle(
     """
     n = problem.bounds.lower.size
     levels = problem.levels + ((below,) if below else ())
-    rows, bounds = _lifted(HqpProblem(levels, problem.bounds), n)
+    sizes = [_size(level) for level in levels]
+    even = tuple(_divided(level, size) for level, size in zip(levels, sizes, strict=True))
+    rows, bounds = _lifted(HqpProblem(even, problem.bounds), n)
     demands: list[tuple[Matrix, Vector]] = []
     results = []
-    for matrix, target in rows:
+    for (matrix, target), size in zip(rows, sizes, strict=True):
         x, violation = _solve(matrix, target, demands, bounds)
-        results.append(OracleLevel(float(np.linalg.norm(matrix @ x - target)), violation, x[:n]))
+        optimum = size * float(np.linalg.norm(matrix @ x - target))
+        results.append(OracleLevel(optimum, violation, x[:n]))
         demands.append((matrix, matrix @ x))
     return results
+
+
+def _size(level: tuple[LinearTask, ...]) -> float:
+    """Return a power of two near the norm of a level's largest row, or 1 where that is usual.
+
+    Raises:
+        ValueError: its rows differ too much in size.
+    """
+    norms = np.concatenate([np.empty(0), *(np.linalg.norm(t.matrix, axis=1) for t in level)])
+    norm = float(norms.max(initial=0.0))
+    asking = norms[norms > _NOTHING * norm]
+    if norm > _APART * asking.min(initial=norm):
+        raise ValueError("the rows of a level differ too much in size")
+    usual = not np.isfinite(norm) or norm == 0.0 or 1e-2 < norm < 1e2
+    return 1.0 if usual else float(np.ldexp(1.0, np.frexp(norm)[1]))
+
+
+def _divided(level: tuple[LinearTask, ...], size: float) -> tuple[LinearTask, ...]:
+    """Return a level in units of ``size``: its penalties and tolerances are then as for others."""
+    if size == 1.0:
+        return level
+    return tuple(
+        LinearTask(task.name, task.matrix / size, task.lower / size, task.upper / size)
+        for task in level
+    )
 
 
 def _lifted(problem: HqpProblem, n: int) -> tuple[list[tuple[Matrix, Vector]], Bounds]:
@@ -163,6 +196,12 @@ def _bounded(matrix: Matrix, target: Vector, bounds: Bounds) -> Vector:
     message = "no joint can move"
     if not free.size or not len(matrix):
         return np.clip(x, lower, upper)
+    # scipy begins with a least-squares point that takes rounding for rank, and returns it as solved
+    # where it is inside: rows that depend on each other then give anything at all.
+    point = np.linalg.lstsq(matrix[:, free], target - matrix @ x, rcond=None)[0]
+    if ((point >= lower[free]) & (point <= upper[free])).all():
+        x[free] = point
+        return x
     # At ties scipy's BVLS may divide by zero; another order of the variables breaks them.
     for order in (free, free[::-1], np.roll(free, free.size // 2)):
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -176,6 +215,21 @@ def _bounded(matrix: Matrix, target: Vector, bounds: Bounds) -> Vector:
             )
         message = result.message
         if result.status > 0 and np.isfinite(result.x).all():
-            x[order] = result.x
-            return np.clip(x, lower, upper)
+            found = x.copy()
+            found[order] = result.x
+            found = np.clip(found, lower, upper)
+            if _optimal(matrix, target, bounds, found):
+                return found
+            message = "scipy's is not optimal"
     raise ValueError(f"no bounded least-squares point: {message}")
+
+
+def _optimal(matrix: Matrix, target: Vector, bounds: Bounds, x: Vector) -> bool:
+    """Return whether no joint that may move has a gradient to follow, up to rounding."""
+    gradient = matrix.T @ (matrix @ x - target)
+    largest = np.linalg.norm(matrix) * np.linalg.norm(x) + np.linalg.norm(target)
+    size = np.linalg.norm(matrix, axis=0) * largest
+    near = _NEAR * (1.0 + np.abs(x))
+    down = (gradient > _OPTIMAL * size) & (x > bounds.lower + near)
+    up = (gradient < -_OPTIMAL * size) & (x < bounds.upper - near)
+    return not (down | up).any()

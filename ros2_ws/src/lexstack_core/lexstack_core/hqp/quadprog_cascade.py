@@ -11,8 +11,9 @@ from lexstack_core.hqp.rows import Hierarchy, Signs
 from lexstack_core.linear import Vector
 
 # It factors H, so a level that does not use all freedom needs a proximal term; the second one is
-# for levels that are singular but for rounding.
-_PROXIMALS = (1e-9, 1e-6)
+# for levels that are singular but for rounding. Where the feasible set has no interior, quadprog may
+# find it empty, though z = 0 is in it: then its ends are opened a little.
+_ATTEMPTS = ((1e-9, 0.0), (1e-6, 0.0), (1e-9, 1e-9), (1e-6, 1e-7))
 
 
 class QuadprogBackend:
@@ -27,10 +28,10 @@ class QuadprogBackend:
         rows = np.concatenate((qp.rows[below], -qp.rows[above]))
         ends = np.concatenate((qp.lower[below], -qp.upper[above]))
         word = ""
-        for proximal in _PROXIMALS:
+        for proximal, opening in _ATTEMPTS:
             definite = hessian + proximal * np.eye(gradient.size)
             try:
-                multipliers = quadprog.solve_qp(definite, -gradient, rows.T, ends)[4]
+                multipliers = quadprog.solve_qp(definite, -gradient, rows.T, ends - opening)[4]
             except ValueError as error:
                 word = str(error)
                 continue

@@ -19,7 +19,7 @@ from lexstack_core.hqp.qp import LevelQp
 from lexstack_core.hqp.rows import FEASIBILITY, MULTIPLIER, Signs
 from lexstack_core.linear import Matrix, Vector
 
-_STEPS = 100
+_STEPS = 100  # for up to 100 rows, more in proportion
 _ROUNDING = 1e-13
 _TOUCH = 1e-9  # nearer than this to its bound, a row holds
 _ROW_TOLERANCE = 1e-9  # pivots among the rows, which have norms of about 1
@@ -66,7 +66,7 @@ def refine(qp: LevelQp, sides: Signs) -> Point | str:
     """
     x = qp.start
     sides = sides.copy()
-    for _ in range(_STEPS):
+    for _ in range(_STEPS * max(1, sides.size // 50)):
         corner = _corner(qp, x, sides)
         if not math.isfinite(corner.x.dot(corner.x)):
             return "not finite"

@@ -19,10 +19,19 @@ Indices = NDArray[np.intp]
 # Relative to the Frobenius norm of a level: smaller pivots are directions that the level does not
 # have. What a level can lose by it is this times its norm and the length of chi.
 RANK_TOLERANCE = 1e-8
-# In the unit of chi or of a task: what counts as inside. Far above rounding, far below 1e-8.
+# In the unit of chi, or of a row whose norm is about 1 (`scaling.py` sees to that): how far outside
+# an interval still counts as inside, where the numbers are about 1 too. Larger ones have more
+# rounding: `noise` says how much.
 FEASIBILITY = 1e-11
-# The gain of objective per unit of bound below which nothing is felt; rounding makes 1e-15.
+# Of rows whose norm is about 1: a multiplier below this is zero, where the numbers are about 1.
 MULTIPLIER = 1e-11
+# Rounding errors of a sum that was made of a few dozen products, relative to their magnitude.
+_ROUNDING = 32.0 * float(np.finfo(float).eps)
+
+
+def noise(magnitude: float) -> float:
+    """Return the rounding error of a number that came out of terms of this magnitude."""
+    return _ROUNDING * magnitude
 
 
 @dataclass(slots=True)
@@ -98,31 +107,57 @@ class Hierarchy:
             self.upper = np.concatenate([task.upper for task in tasks], dtype=float)
             self.equal = self.lower == self.upper
             self.exact = bool(self.equal.all())
+        self._divide([sum([task.lower.size for task in level]) for level in levels])
+
+    @classmethod
+    def of_rows(
+        cls,
+        rows: tuple[Matrix, Vector, Vector, Mask],
+        sizes: list[int],
+        parted: frozenset[int],
+    ) -> Hierarchy:
+        """Return the hierarchy of rows that are stacked already.
+
+        Args:
+            rows: matrix, lower and upper ends, and the mask of the equality objectives.
+            sizes: how many rows each level has.
+            parted: the levels that give way to others, so that no short cut may be taken.
+        """
+        made = cls.__new__(cls)
+        made.matrix, made.lower, made.upper, made.equal = rows
+        made.exact = bool(made.equal.all())
+        made._divide(sizes, parted)
+        made.mergeable = min(made.mergeable, *parted, len(sizes))
+        return made
+
+    def _divide(self, sizes: list[int], parted: frozenset[int] = frozenset()) -> None:
+        """Make the levels of the stacked rows."""
         self.levels: list[LevelRows] = []
         self.deciding: list[LevelRows] = []
-        self.nearest: Vector = np.zeros(n)
+        self.nearest: Vector = np.zeros(self.matrix.shape[1])
         self.mergeable = 0
         start, freedom = 0, True
-        for level in levels:
-            end = start + sum([task.lower.size for task in level])
+        for size in sizes:
+            end = start + size
             added = self._add(slice(start, end))
-            freedom = freedom and self._decides(added)
+            freedom = freedom and self._decides(added, len(self.levels) - 1 in parted)
             start = end
 
     def _add(self, part: slice) -> LevelRows:
         """Append the level of some rows."""
-        matrix, equal = self.matrix[part], self.equal[part]
+        matrix, lower, equal = self.matrix[part], self.lower[part], self.equal[part]
         flat = matrix.reshape(-1)
         exact = self.exact or bool(equal.all())
         norm = math.sqrt(flat.dot(flat)) or 1.0
-        level = LevelRows(part, matrix, self.lower[part], self.upper[part], equal, exact, norm)
+        upper = lower if self.exact else self.upper[part]
+        level = LevelRows(part, matrix, lower, upper, equal, exact, norm)
         self.levels.append(level)
         return level
 
-    def _decides(self, level: LevelRows) -> bool:
+    def _decides(self, level: LevelRows, parted: bool) -> bool:
         """Take a level up among the deciding ones; return whether the levels below have a say."""
         rows, n = level.matrix.shape
-        scale = unit_scale(level.matrix) if level.exact and rows == n else 0.0
+        scale = unit_scale(level.matrix) if level.exact and rows == n and not parted else 0.0
         if scale:
             self.nearest = level.lower / scale
             return False
@@ -149,8 +184,9 @@ class Hierarchy:
         sides: Signs = np.zeros(self.lower.size, dtype=np.int8)
         if not self.exact:
             value = self.matrix.dot(chi)
-            sides[value <= self.lower + FEASIBILITY] = -1
-            sides[value >= self.upper - FEASIBILITY] = 1
+            near = max(FEASIBILITY, noise(math.sqrt(chi.dot(chi))))
+            sides[value <= self.lower + near] = -1
+            sides[value >= self.upper - near] = 1
             sides[self.equal] = 0
         return sides
 

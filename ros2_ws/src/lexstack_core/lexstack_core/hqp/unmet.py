@@ -1,0 +1,66 @@
+"""From the optimum of bands solved like levels to that of the levels whose bands they are.
+
+The cascade solves one band after the other, as if each were infinitely larger than the next one.
+Where a level is met that is its optimum. Where it is not, the chain of `exchange.py` finds the
+optimum from the active set of the cascade's; and if it does not, the answer is refused, except
+where the bands differ so much that nobody could tell.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from lexstack_core.hqp.exchange import Guess, solve_by_exchange
+from lexstack_core.hqp.rows import FEASIBILITY, Hierarchy, Signs, noise
+from lexstack_core.hqp.scaling import Bands
+from lexstack_core.linear import Vector
+
+_ROUNDS = 10
+_SINGLE_ROUNDS = 300
+# A large band gives way to a small one by so little that the active set may not be resolved.
+_NEARLY = 1e-9
+_ENORMOUS = 2.0**17  # its square is the share by which a small band moves a large one
+
+
+def with_weights(
+    hierarchy: Hierarchy, bands: Bands, box: tuple[Vector, Vector], chi: Vector
+) -> tuple[Vector, str]:
+    """Return the optimum of the levels as given, or why it was not found.
+
+    Args:
+        hierarchy: scaled.
+        bands: how; a level has several.
+        box: bounds of chi, shapes (n,).
+        chi: the optimum of the bands as levels, shape (n,).
+    """
+    unmet = _unmet(hierarchy, bands, chi)
+    if unmet < 0:
+        return chi, ""
+    lower, upper = box
+    near = max(FEASIBILITY, noise(math.sqrt(chi.dot(chi))))
+    joints: Signs = np.zeros(chi.size, dtype=np.int8)
+    joints[chi - lower <= near] = -1
+    joints[upper - chi <= near] = 1
+    for rounds, inside in ((_ROUNDS, FEASIBILITY), (_SINGLE_ROUNDS, _NEARLY)):
+        guess = Guess(joints.copy(), hierarchy.touched(chi))
+        single = rounds == _SINGLE_ROUNDS
+        found = solve_by_exchange(
+            hierarchy, lower, upper, guess, rounds, None, bands, inside, single
+        )
+        if found is not None:
+            return np.minimum(np.maximum(found, lower), upper), ""
+    if bands.gap() >= _ENORMOUS:
+        return chi, ""
+    return chi, f"level {unmet}: its rows differ too much in size"
+
+
+def _unmet(hierarchy: Hierarchy, bands: Bands, chi: Vector) -> int:
+    """Return the first level of several bands that is not met, or -1."""
+    residual = np.abs(hierarchy.residual(chi))
+    near = max(FEASIBILITY, noise(math.sqrt(chi.dot(chi))))
+    for level, owner in zip(hierarchy.levels, bands.owner, strict=True):
+        if bands.owner.count(owner) > 1 and residual[level.part].max(initial=0.0) > near:
+            return owner
+    return -1

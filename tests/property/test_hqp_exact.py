@@ -1,0 +1,104 @@
+"""Every solver against rational arithmetic, whatever the size of the rows: cold, and warm."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lexstack_core.bounds import Bounds
+from lexstack_core.hqp import make_solver
+from lexstack_core.hqp.daqp_cascade import DaqpCascade
+from lexstack_core.hqp.proxqp_cascade import ProxqpCascade
+from lexstack_core.hqp.quadprog_cascade import QuadprogCascade
+from support.exact import exact_optimum, exact_slacks
+from support.integers import SCALES, integer_problem, shape
+
+# Relative to the largest number of the exact answer, or to 1.
+CLOSE = 1e-8
+SOLVERS = {
+    "daqp": make_solver("daqp"),
+    "proxqp": make_solver("proxqp"),
+    "quadprog": make_solver("quadprog"),
+    "daqp, every level": DaqpCascade(guesses=False),
+    "quadprog, every level": QuadprogCascade(guesses=False),
+}
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def assert_exact(problem, solution, name):
+    assert solution.solved, (name, solution.reason)
+    exact = exact_optimum(problem)
+    chi = np.array([float(x) for x in exact])
+    size = max(1.0, float(np.abs(chi).max(initial=0.0)))
+    np.testing.assert_allclose(solution.chi, chi, atol=CLOSE * size, rtol=0.0, err_msg=name)
+    for k, (slack, least) in enumerate(
+        zip(solution.slacks, exact_slacks(problem, exact), strict=True)
+    ):
+        norm = np.linalg.norm(np.vstack([task.matrix for task in problem.levels[k]]))
+        assert slack <= least + CLOSE * size * norm, (name, k, slack, least)
+
+
+@settings(max_examples=120, derandomize=True, deadline=None)
+@given(seed=SEEDS, other=SEEDS)
+@pytest.mark.parametrize("scales", SCALES)
+def test_cold_and_warm_answers_are_the_exact_ones_at_any_scale(scales, seed, other):
+    rng = np.random.default_rng(seed)
+    n, sizes = shape(rng)
+    whole = integer_problem(rng, scales, n, sizes)
+    before = integer_problem(np.random.default_rng(other), scales, n, sizes)
+    for name, solver in SOLVERS.items():
+        assert_exact(whole, solver.solve(whole), name)
+        assert_exact(whole, solver.solve(whole, solver.solve(before)), f"{name}, warm")
+
+
+@settings(max_examples=60, derandomize=True, deadline=None)
+@given(seed=SEEDS)
+@pytest.mark.parametrize("scales", SCALES)
+def test_inequality_rows_of_any_size_that_cannot_all_hold(scales, seed):
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 4))
+    whole = integer_problem(rng, scales, n, [n + 2, n + 1], soft=1.0)
+    for name, solver in SOLVERS.items():
+        assert_exact(whole, solver.solve(whole), name)
+
+
+@pytest.mark.parametrize("scales", SCALES)
+@pytest.mark.parametrize("seed", range(3))
+def test_a_long_train_of_warm_starts_never_leaves_the_exact_answers(seed, scales):
+    rng = np.random.default_rng((seed, SCALES.index(scales)))
+    n, sizes = shape(rng)
+    warm = dict.fromkeys(SOLVERS)
+    for _ in range(40):
+        whole = integer_problem(rng, scales, n, sizes)
+        for name, solver in SOLVERS.items():
+            warm[name] = solver.solve(whole, warm[name])
+            assert_exact(whole, warm[name], name)
+
+
+@settings(max_examples=100, derandomize=True, deadline=None)
+@given(seed=SEEDS)
+@pytest.mark.parametrize("solver", [DaqpCascade(), QuadprogCascade(), ProxqpCascade()])
+def test_a_cascade_without_a_second_one_is_exact_or_says_that_it_failed(solver, seed):
+    rng = np.random.default_rng(seed)
+    whole = integer_problem(rng, "rows", *shape(rng))
+    solution = solver.solve(whole)
+    if solution.solved:
+        assert_exact(whole, solution, solver.name)
+    else:
+        assert solver.name.startswith("proxqp"), solution.reason
+
+
+@settings(max_examples=60, derandomize=True, deadline=None)
+@given(seed=SEEDS, end=st.sampled_from([1e5, 1e7, 1e10]))
+def test_an_active_set_that_names_far_ends_gives_no_chi_of_their_size(seed, end):
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 5))
+    whole = integer_problem(rng, "one", n, [int(m) for m in rng.integers(1, 3, size=2)], soft=0.0)
+    wide = replace(whole, bounds=Bounds(np.full(n, -end), np.full(n, end)))
+    solver = DaqpCascade()
+    cold = solver.solve(wide)
+    named = replace(cold, active=rng.integers(-1, 2, size=n).astype(np.int8))
+    assert_exact(wide, cold, "cold")
+    assert_exact(wide, solver.solve(wide, named), "warm")
