@@ -47,7 +47,7 @@ def test_the_demo_reaches_what_it_promises(whole):
     assert [phase["stack"] for phase in metrics["phases"]] == [
         "track",
         "reach_base",
-        "posture",
+        "posture_mid_range",
         "track",
     ]
     assert all(phase["transition_s"] is not None for phase in metrics["phases"][1:])
