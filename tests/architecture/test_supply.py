@@ -127,11 +127,36 @@ def test_nothing_that_a_machine_made_goes_into_the_image_and_all_that_is_ours_do
     assert [path for path in ours if ignored(path)] == []
 
 
-def test_the_licences_command_tells_whether_its_page_is_current():
+def test_the_licences_command_tells_whether_its_page_is_current(tmp_path, monkeypatch, capsys):
+    sys.path.insert(0, str(ROOT / "scripts"))
+    import licences
+
+    page = tmp_path / "docs" / "licences.md"
+    page.parent.mkdir()
+    monkeypatch.setattr(licences, "ROOT", tmp_path)
+    monkeypatch.setattr(licences, "TARGET", page)
+    (tmp_path / "requirements.lock").write_text(LOCK, encoding="utf-8")
+
+    def code(*arguments):
+        monkeypatch.setattr(sys, "argv", ["licences.py", *arguments])
+        return licences.main()
+
+    assert code("--check") == 1, "there is no page"
+    assert code() == 0
+    assert "packages" in capsys.readouterr().out
+    assert code("--check") == 0
+    page.write_text(page.read_text(encoding="utf-8").replace("numpy", "numpie", 1), "utf-8")
+    assert code("--check") == 1
+
+
+def test_the_licences_command_says_of_our_page_what_it_would_write():
     done = subprocess.run(
         [sys.executable, ROOT / "scripts" / "licences.py", "--check"],
         check=False,
         capture_output=True,
         text=True,
     )
-    assert done.returncode in (0, 1), done.stderr
+    from licences import page as make
+
+    page = (ROOT / "docs" / "licences.md").read_text(encoding="utf-8")
+    assert done.returncode == int(make(LOCK) != page), done.stderr
