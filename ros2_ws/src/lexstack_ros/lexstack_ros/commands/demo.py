@@ -18,6 +18,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from lexstack_bag.commands.analyze import analyze
+from lexstack_bag.folders import whose
 from lexstack_bag.goals import summary_lines
 from lexstack_core.config.checks import shown
 from lexstack_core.config.resolved import ResolvedScenario, load_scenario
@@ -141,20 +142,10 @@ def run_folder(root: Path, out: Path | None, scenario: str) -> Path:
         if any(out.iterdir()):
             raise ConfigurationError(f"--out: {out} is not empty; name another folder")
     except PermissionError as error:
-        raise ConfigurationError(f"--out: {out}: {error.strerror}: {_whose(out)}") from error
+        raise ConfigurationError(f"--out: {out}: {error.strerror}: {whose(out)}") from error
     except OSError as error:
         raise ConfigurationError(f"--out: {out}: {error.strerror}") from error
     return out
-
-
-def _whose(out: Path) -> str:
-    """Return whose the folder is in which a run's folder could not be made, and what to do."""
-    there = next(folder for folder in (out, *out.parents) if folder.exists())
-    return (
-        f"{there} is user {there.stat().st_uid}'s, this process is user {os.geteuid()}'s; name a "
-        "folder of your own (one that docker made is root's: mkdir it before docker run, and "
-        'give --user "$(id -u):$(id -g)")'
-    )
 
 
 def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *, view: bool) -> int:
