@@ -32,24 +32,25 @@ class Setup:
         self._environment = stamps.environment_stamp(ROOT, found, f"{BASE_PYTHON} {VERSION}")
         self._workspace = stamps.workspace_stamp(ROOT, self._environment)
 
-    def is_current(self) -> bool:
-        """Return whether there is nothing to do."""
-        return self._environment.is_current() and self._workspace.is_current()
+    def is_current(self, *, packages: bool = False) -> bool:
+        """Return whether there is nothing to do; ``packages``: for the environment alone."""
+        return self._environment.is_current() and (packages or self._workspace.is_current())
 
     def clear(self) -> None:
         """Forget what is done, so that everything is made anew."""
         self._environment.clear()
         self._workspace.clear()
 
-    def make(self) -> None:
-        """Do what is not done yet."""
+    def make(self, *, packages: bool = False) -> None:
+        """Do what is not done yet; ``packages``: the environment alone."""
         variables = environment.build_variables(ROOT, self._ros, os.environ)
         new = not self._environment.is_current()
-        steps = Steps(4 if new else 1, ROOT / "build/setup.log", variables)
+        steps = Steps(3 * new + (not packages), ROOT / "build/setup.log", variables)
         if new:
             self.clear()
             self._make_environment(steps)
-        self._build_workspace(steps)
+        if not packages:
+            self._build_workspace(steps)
 
     def _make_environment(self, steps: Steps) -> None:
         """Make the virtual environment from nothing."""
@@ -122,20 +123,23 @@ def main() -> int:
     parser.add_argument("--current", action="store_true", help="only tell if all is done")
     parser.add_argument("--clean", action="store_true", help="start from nothing")
     parser.add_argument("--quiet", action="store_true", help="say nothing if all is done")
+    parser.add_argument("--packages", action="store_true", help="make the environment alone")
     arguments = parser.parse_args()
     if arguments.probe:
         return probe()
     found = ros.find_ros(os.environ)
     setup = Setup(found)
-    if arguments.current and (arguments.clean or not setup.is_current()):
+    packages = arguments.packages
+    if arguments.current and (arguments.clean or not setup.is_current(packages=packages)):
         return NOT_CURRENT
     if arguments.clean:
         setup.clear()
-    if not setup.is_current():
-        setup.make()
+    if not setup.is_current(packages=packages):
+        setup.make(packages=packages)
     if not arguments.quiet:
         source = found.prefix or "wheels"
-        print(f"lexstack is set up: Python {VERSION}, ROS 2 Jazzy from {source}")
+        what = "the packages are" if packages else "lexstack is"
+        print(f"{what} set up: Python {VERSION}, ROS 2 Jazzy from {source}")
     return 0
 
 

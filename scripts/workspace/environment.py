@@ -57,6 +57,12 @@ def shell_script(root: Path, ros: Ros, python: str) -> str:
         'export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"',
         'export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"',
         "unset PYTHONHOME",
+        "# ROS writes its logs below the home folder, and ends at once where that is not possible:",
+        "# in a container, for an account that it does not know.",
+        'if [ ! -d "${HOME:-}" ] || [ ! -w "${HOME:-}" ]; then',
+        '  export HOME="${TMPDIR:-/tmp}/lexstack-home-$(id -u)"',
+        '  mkdir -p -m 700 "$HOME" 2>/dev/null && [ -w "$HOME" ] || HOME="$(mktemp -d)"',
+        "fi",
     ]
     if ros.prefix is None:
         paths["AMENT_PREFIX_PATH"].append(root / ".venv")

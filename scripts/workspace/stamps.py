@@ -68,7 +68,9 @@ def workspace_stamp(root: Path, environment: Stamp) -> Stamp:
     """Return the stamp of the colcon workspace built in that environment."""
     source = root / "ros2_ws/src"
     files = sorted(file for name in PACKAGE_FILES for file in source.glob(f"*/{name}"))
-    parts: list[str | bytes] = [environment.digest]
+    # What writes .venv/environment.sh belongs to it, but not to the packages.
+    writer = Path(__file__).with_name("environment.py")
+    parts: list[str | bytes] = [environment.digest, writer.read_bytes()]
     for file in files:
         parts += [str(file.relative_to(source)), file.read_bytes()]
     return Stamp(root / "ros2_ws/install/lexstack.stamp", digest(parts))

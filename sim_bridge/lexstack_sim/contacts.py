@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
+from lexstack_core.errors import ModelError
 from lexstack_core.model import RobotModel
 from lexstack_sim.meshes import arm_shapes
 
@@ -17,20 +18,28 @@ APART = 4
 GROUP = 3
 """MuJoCo's group of contact geometry: hidden from the camera."""
 
+OBSTACLE = 1 << 30
+"""The bit of contact that obstacles have; the robots have those below."""
+
+_DIGITS = 15  # binary digits of a robot's number, two bits of contact for each: 30 in all
+
 
 def add_contacts(
     spec: mujoco.MjSpec, robot: RobotModel, bodies: dict[int, mujoco.MjsBody], index: int
 ) -> dict[int, list[str]]:
     """Add a robot's contact geometry: a box for its chassis, convex hulls for its arm.
 
-    Robot ``index`` has a bit of its own, and collides with every other bit: never with itself
-    nor with the floor, since planar joints carry the load.
+    Robot ``index`` collides with every other robot and with obstacles: never with itself nor with
+    the floor, since planar joints carry the load.
 
     Returns:
         names of the geoms by pinocchio joint.
+
+    Raises:
+        ModelError: there are more robots than the masks of contact can tell apart.
     """
-    bit = 1 << index
-    mask = {"contype": bit, "conaffinity": 0x7FFFFFFF & ~bit, "group": GROUP}
+    contype, conaffinity = robot_masks(index)
+    mask = {"contype": contype, "conaffinity": conaffinity | OBSTACLE, "group": GROUP}
     base = robot.config.base
     joint = robot.pinocchio.frames[robot.pinocchio.getFrameId("base")].parentJoint
     chassis = bodies[joint].add_geom(
@@ -51,6 +60,25 @@ def add_contacts(
             shape.add_mesh(spec, body, asset, shape.mesh(), name=name, **mask)
         geoms.setdefault(shape.joint, []).append(name)
     return geoms
+
+
+def robot_masks(index: int) -> tuple[int, int]:
+    """Return contype and conaffinity of a robot among robots, without the bit of obstacles.
+
+    MuJoCo lets two geoms touch where contype of one and conaffinity of the other have a bit in
+    common. Each binary digit of the robot's number has two bits, one for 0 and one for 1: contype
+    has those of the robot's own digits, conaffinity those of the opposite ones. So two robots touch
+    exactly if their numbers differ in a digit. (With one bit for each robot there would be 30.)
+
+    Raises:
+        ModelError: the number has too many digits.
+    """
+    if index >= 1 << _DIGITS:
+        raise ModelError(f"robots: contacts of at most {1 << _DIGITS} can be told apart")
+    digits = [(index >> place) & 1 for place in range(_DIGITS)]
+    contype = sum(1 << (2 * place + digit) for place, digit in enumerate(digits))
+    conaffinity = sum(1 << (2 * place + 1 - digit) for place, digit in enumerate(digits))
+    return contype, conaffinity
 
 
 def add_self_contacts(spec: mujoco.MjSpec, geoms: dict[int, list[str]]) -> None:

@@ -9,10 +9,10 @@ import numpy as np
 
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Obstacles
+from lexstack_sim.contacts import OBSTACLE
 
 _GROUP = 1  # of geoms that are visible
 _COLOR = (0.85, 0.15, 0.12, 1.0)
-_BIT = 1 << 30  # of contact: robots have those below, and collide with every other bit
 
 
 def add_obstacles(spec: mujoco.MjSpec, obstacles: Obstacles) -> None:
@@ -26,8 +26,8 @@ def add_obstacles(spec: mujoco.MjSpec, obstacles: Obstacles) -> None:
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             size=(radius, 0.0, 0.0),
             rgba=_COLOR,
-            contype=_BIT,
-            conaffinity=_BIT - 1,
+            contype=OBSTACLE,
+            conaffinity=OBSTACLE - 1,
             group=_GROUP,
         )
 

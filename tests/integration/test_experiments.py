@@ -5,10 +5,13 @@ import math
 
 import pytest
 
+from lexstack_core.transition.methods import METHODS
 from lexstack_experiments.benches import BENCHES
 from lexstack_experiments.commands import bench, experiment
-from lexstack_experiments.experiments import EXPERIMENTS, transition_methods
+from lexstack_experiments.experiments import EXPERIMENTS, method_cases, transition_methods
+from lexstack_experiments.experiments.method_runs import Play, never_switched
 from support.results import numbers
+from support.scenario import CONFIG
 
 
 def results_of(main, name, folder, *arguments):
@@ -80,6 +83,21 @@ def test_transition_methods(tmp_path, few_methods):
     # Two levels a tick; those of A's own optimum too, while it takes over from the late B.
     assert 2.0 < rows["bridge"]["QPs"] < 3.0
     assert (tmp_path / "methods.png").stat().st_size < 150_000
+
+
+def test_the_comparison_is_against_t34_in_its_stronger_reading_too():
+    """With the acceleration limits of T(31) in its boxes, as the sudden limits have it."""
+    case = method_cases.cases(CONFIG, 0)[0]
+    still = Play(never_switched(case), "bridge")
+    found = {name: Play(case, name) for name in ("t34", "t34_limited")}
+    assert set(found) < set(METHODS)
+    for row in case.rows:
+        loose, limited = (play.figures(row, still) for play in found.values())
+        assert limited.acceleration <= 1.0 + 1e-9
+        assert limited.acceleration <= loose.acceleration
+        assert limited.empty == 0
+        assert limited.excess < 1e-9
+    assert loose.acceleration > 5.0, "at (C) the other reading goes far beyond the limits"
 
 
 def test_sudden_limits(tmp_path):

@@ -37,7 +37,7 @@ def test_three_switches_reach_adoption(run):
     adopted = [
         c.transition.to_stack for c in run.record.commands if c.transition.phase is Phase.ADOPTING
     ]
-    assert adopted == ["reach_base", "posture", "track"]
+    assert adopted == ["reach_base", "posture_mid_range", "track"]
 
 
 def test_the_command_keeps_its_limits(run):

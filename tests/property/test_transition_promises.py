@@ -19,7 +19,7 @@ from lexstack_experiments.links import Delayed
 from lexstack_experiments.loop import Loop
 from support.scenario import changed, home, team
 
-STACKS = ("track", "reach_base", "posture")
+STACKS = ("track", "reach_base", "posture_mid_range")  # those of T
 TICKS = 60
 ARMS = np.flatnonzero(np.isfinite(team().limits.position_lower))
 
@@ -160,7 +160,7 @@ def test_the_tests_above_can_fail(fault, monkeypatch):
         "seed": 1,
         "initial_stack": "track",
         "duration": 0.05,
-        "switches": [(20, "posture")],
+        "switches": [(20, "posture_mid_range")],
         "lost": (10_000, 10_000),
         "late": 0,
     }

@@ -34,8 +34,8 @@ def config(name: str = "lexstack", **changes: Any) -> HtmpcConfig:
 
 @cache
 def optimiser(which: str = "ur10_ridgeback", name: str = "lexstack", **changes: Any) -> Htmpc:
-    """Return an optimiser; equal arguments give the same one."""
-    return Htmpc(robot(which), config(name, **changes))
+    """Return an optimiser that keeps no distances; equal arguments give the same one."""
+    return Htmpc(robot(which), config(name, **changes), ())
 
 
 def random_start(

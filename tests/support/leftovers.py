@@ -11,6 +11,20 @@ _OURS = (b"lexstack_ros.", b"lexstack_sim.", b"lexstack_bag.", b"lexstack_experi
 _PATIENCE = 10.0  # s, in which what is ending ends
 
 
+def is_alive(pid: int) -> bool:
+    """Return whether a process runs or is stopped; one that waits to be reaped is not (Linux).
+
+    It keeps its id until its parent has looked, and where the first process of a container never
+    looks, for good. A signal of number 0 reaches it all the same.
+    """
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return False
+    state = stat.rpartition(")")[2].split()[0]  # behind the name, which may have brackets itself
+    return state not in {"Z", "X", "x"}
+
+
 def our_processes() -> dict[int, str]:
     """Return the command lines of lexstack's processes on this machine, by process id (Linux)."""
     found = {}

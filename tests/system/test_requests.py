@@ -17,7 +17,7 @@ from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.qos import STREAM
 from support.processes import running, short_scenario
 
-pytestmark = pytest.mark.system
+pytestmark = [pytest.mark.system, pytest.mark.realtime]
 PATIENCE = 20.0  # s
 
 

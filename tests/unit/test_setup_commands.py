@@ -48,6 +48,14 @@ def test_unknown_argument_is_named_and_exits_2(clone):
     assert "--nonsense" in done.stderr
 
 
+def test_packages_alone_are_asked_for_with_their_flag(clone):
+    """An image makes them in a layer of their own, before the sources are there."""
+    fitting = add_program(clone, "python3", FITTING)
+    done = setup(clone, "--packages")
+    assert done.stdout.startswith(f"ran {fitting} ")
+    assert done.stdout.endswith("--current --packages\n")
+
+
 def test_a_python_that_exists_but_fails_is_passed_over(clone):
     add_program(clone, "python3", BROKEN)
     fitting = add_program(clone, "python3.12", FITTING)

@@ -1,5 +1,6 @@
 """The set-up: the environment in which commands run."""
 
+import os
 import subprocess
 from pathlib import Path
 
@@ -48,6 +49,25 @@ def test_wheels_environment_is_complete_and_free_of_others(clone):
     assert got["LD_LIBRARY_PATH"] == f"{install}/msgs/lib:{clone}/.venv/lib:{wheels}"
     assert got["RMW_IMPLEMENTATION"] == "rmw_fastrtps_cpp"
     assert got["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+
+
+def test_a_home_that_cannot_be_written_is_replaced_so_that_ros_can_log(clone, tmp_path):
+    """In a container an unknown account has the home /, or none: ROS ends at //.ros/log."""
+    script = shell_script(clone, Ros(), "python3.11")
+    own = tmp_path / "home"
+    own.mkdir()
+    temporary = {"PATH": "/usr/bin:/bin", "TMPDIR": str(tmp_path)}
+    assert enter(script, **temporary, HOME=str(own))["HOME"] == str(own)
+    for environ in (temporary, {**temporary, "HOME": ""}, {**temporary, "HOME": "/no/such/home"}):
+        home = Path(enter(script, **environ)["HOME"])
+        assert home == tmp_path / f"lexstack-home-{os.getuid()}"
+        assert home.stat().st_mode & 0o777 == 0o700
+    # Where another account's folder has that name, an own one is made.
+    home.rmdir()
+    home.touch()
+    other = Path(enter(script, **temporary)["HOME"])
+    assert other.is_dir()
+    assert other != home
 
 
 def test_users_discovery_range_is_kept(clone):

@@ -65,6 +65,17 @@ def test_package_files_make_the_workspace_anew(clone, name):
     assert before[1] != after[1]
 
 
+def test_what_writes_the_environment_makes_the_workspace_anew(clone, monkeypatch):
+    before = stamps(clone)
+    read = Path.read_bytes
+    monkeypatch.setattr(
+        Path, "read_bytes", lambda path: read(path) + b" " * (path.name == "environment.py")
+    )
+    after = stamps(clone)
+    assert before[0] == after[0], "the packages stay"
+    assert before[1] != after[1]
+
+
 def test_python_sources_need_no_build(clone):
     before = stamps(clone)
     (clone / "ros2_ws/src/interfaces/module.py").write_text("x = 1\n")

@@ -1,5 +1,7 @@
 """The tasks: what they ask for is what brings their error to zero."""
 
+import dataclasses
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -7,7 +9,7 @@ import pytest
 from lexstack_core.build import build_references
 from lexstack_core.config.stack import LevelConfig, StackConfig, TaskConfig
 from lexstack_core.errors import ConfigurationError
-from lexstack_core.model import Pose
+from lexstack_core.model import Pose, RobotModel, Team
 from lexstack_core.references import References, ReferenceSchedule, Target
 from lexstack_core.stack import build_stack
 from lexstack_core.tasks import TASKS
@@ -153,13 +155,36 @@ def test_base_and_posture_use_q_star_not_q():
     np.testing.assert_array_equal(posture.matrix @ np.arange(20.0), np.arange(3.0, 10.0))
 
 
-def test_posture_goes_to_mid_range_by_default():
+def middle():
     limits = team().limits
-    middle = 0.5 * (limits.position_lower[3:10] + limits.position_upper[3:10])
+    return 0.5 * (limits.position_lower[3:10] + limits.position_upper[3:10])
+
+
+def posture_error(task, arm):
     q = home()
-    q[3:10] = middle
-    linear = make("posture").linearise(team().kinematics(state_at(q)), references())
-    np.testing.assert_allclose(linear.lower, 0.0, atol=1e-12)
+    q[3:10] = arm
+    return task.linearise(team().kinematics(state_at(q)), references()).lower
+
+
+def test_posture_goes_to_the_posture_of_the_robots_file_by_default():
+    rest = team().robots[0].config.arm.posture
+    assert np.abs(np.array(rest) - middle()).max() > 0.5
+    np.testing.assert_array_equal(posture_error(make("posture"), rest), 0.0)
+
+
+def test_posture_goes_to_mid_range_where_the_file_says_so_or_the_robot_has_no_posture():
+    asked = make("posture", target="mid_range")
+    np.testing.assert_allclose(posture_error(asked, middle()), 0.0, atol=1e-12)
+    config = team().robots[0].config
+    plain = dataclasses.replace(config, arm=dataclasses.replace(config.arm, posture=None))
+    robots = (RobotModel("robot_a", plain), RobotModel("robot_b", plain))
+    task = TASKS["posture"](Team(robots, 0.01), 0, {}, "here")
+    np.testing.assert_allclose(posture_error(task, middle()), 0.0, atol=1e-12)
+
+
+def test_posture_refuses_a_target_that_is_neither_a_list_nor_mid_range():
+    with pytest.raises(ConfigurationError, match="here: target: expected a list, got 'middle'"):
+        make("posture", target="middle")
 
 
 def test_posture_refuses_a_target_of_the_wrong_length():

@@ -44,7 +44,7 @@ def converged(name, hard, equal=False):
     results = []
     for seed in range(STATES):
         start, rng = start_of(seed)
-        objectives = random_objectives(rng, start, Htmpc(robot(), own), far=0.1)
+        objectives = random_objectives(rng, start, Htmpc(robot(), own, ()), far=0.1)
         state = (start.q, start.v, np.zeros(9))
         results.append((start, objectives, oracle.solve(state, objectives, np.zeros((10, 9)), 1.0)))
     return results
@@ -60,9 +60,8 @@ def total(solver, start, objectives, plan, level):
 @pytest.mark.parametrize("name", ["authors", "lexstack"])
 @pytest.mark.parametrize("hard", [False, True])
 def test_with_many_iterations_the_first_level_is_the_optimum(name, hard):
-    solver = Htmpc(
-        robot(), config(name, hard_limits=hard, iterations=40, enough=0.0, correction=False)
-    )
+    own = config(name, hard_limits=hard, iterations=40, enough=0.0, correction=False)
+    solver = Htmpc(robot(), own, ())
     for start, objectives, levels in converged(name, hard):
         assert levels[0].converged
         plan = solver.solve(start, objectives[:1])
@@ -75,7 +74,8 @@ def test_with_many_iterations_the_first_level_is_the_optimum(name, hard):
 @pytest.mark.parametrize(("iterations", "gap"), [(1, 0.30), (3, 0.02)])
 def test_gap_of_the_first_level(iterations, gap):
     """The whole cost of level 0 above the optimum, as a part of what there was to gain."""
-    solver = Htmpc(robot(), config("lexstack", iterations=iterations, enough=0.0, correction=False))
+    own = config("lexstack", iterations=iterations, enough=0.0, correction=False)
+    solver = Htmpc(robot(), own, ())
     found = []
     for start, objectives, levels in converged("lexstack", True):
         program = solver.program(start)
@@ -93,7 +93,7 @@ def test_gap_of_the_first_level(iterations, gap):
 def test_the_second_level_comes_near_its_optimum():
     """Within delta of H(13), the cost of level 1 after 40 bent steps against IPOPT's."""
     own = config("lexstack", iterations=40, enough=0.0, tolerance=0.01, resume=False)
-    solver = Htmpc(robot(), equal_weights(own))
+    solver = Htmpc(robot(), equal_weights(own), ())
     gaps = []
     for start, objectives, levels in converged("lexstack", True, equal=True):
         assert all(level.converged for level in levels)

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from lexstack_core.config.htmpc import load_htmpc
+from lexstack_core.config.resolved import load_robot
 from lexstack_core.config.sequence import SequenceConfig, SequenceTaskConfig
 from lexstack_core.errors import InputError
 from lexstack_core.htmpc import SequenceTask
 from lexstack_core.htmpc.runner import ARCHITECTURES, Change, SequenceRunner, tasks_of
-from lexstack_core.model import Team
+from lexstack_core.model import RobotModel, Team
 from lexstack_core.state import RobotState
 from support.scenario import CONFIG, changed, resolved
 
@@ -28,6 +29,35 @@ def far_team():
         for i, (n, p) in enumerate(robots.items())
     }
     return Team.from_scenario(changed(robots=away)), changed(robots=away)
+
+
+def least_height(ground):
+    """Return how near a lone robot's arm comes to the floor, its tool sent below it [m]."""
+    model = RobotModel("alone", load_robot(CONFIG / "robots/ur10_ridgeback.yaml"))
+    team = Team((model,), DT)
+    config = load_htmpc(CONFIG / "htmpc/lexstack.yaml")
+    collision = dataclasses.replace(config.collision, ground=ground)
+    runner = SequenceRunner(team, 0, dataclasses.replace(config, collision=collision))
+    q = model.home((0.0, 0.0, 0.0))
+    state = RobotState(0, 0.0, q, np.zeros(team.n), q, np.zeros(team.n))
+    below = SequenceTask("below", "ee_position", ((1.2, 0.2, -0.3),))
+    runner.begin((below,), ARCHITECTURES["ht"], state)
+    on_arm = np.array([sphere.link != "base" for sphere in model.config.spheres])
+    heights = []
+    for _ in range(round(4.0 / DT)):
+        spheres = team.spheres(state.q)
+        heights.append((spheres.centers[on_arm, 2] - spheres.radii[on_arm]).min())
+        if state.tick % EVERY == 0:
+            plan = runner.step(state).plan
+        v = plan.sample(state.stamp + DT)[1]
+        q = state.q + DT * v
+        state = RobotState(state.tick + 1, state.stamp + DT, q, v, q, v)
+    return min(heights)
+
+
+def test_a_lone_robot_without_obstacles_keeps_off_the_floor():
+    assert least_height(ground=False) < -0.05, "the target is below the floor"
+    assert least_height(ground=True) > 0.0
 
 
 @cache

@@ -5,6 +5,8 @@ import pytest
 
 from lexstack_core.errors import InputError
 from lexstack_core.htmpc import Trajectory, base_path, ee_path, hold, steps
+from lexstack_core.htmpc.rotations import from_quaternions, log3_all
+from lexstack_core.rotation import to_quaternion
 
 
 def test_a_base_line_keeps_its_speed_and_turns_the_short_way():
@@ -35,6 +37,59 @@ def test_a_path_goes_through_its_points():
 def test_a_pose_takes_the_near_sign_of_the_quaternion():
     points = np.array([[0, 0, 0, 0, 0, 0, 1.0], [1, 0, 0, 0, 0, 0, -2.0]])
     np.testing.assert_allclose(ee_path(0.0, points, 1.0).at(np.array([0.5]))[0, 3:], [0, 0, 0, 1])
+
+
+def turned(angle, axis=(0.0, 0.6, 0.8), sign=1.0):
+    """Return a pose at the origin, turned by an angle [rad], its quaternion with a sign."""
+    quaternion = sign * np.array([*(np.sin(0.5 * angle) * np.array(axis)), np.cos(0.5 * angle)])
+    return np.concatenate((np.zeros(3), quaternion))
+
+
+def turning(path, times):
+    """Return the angular velocities of a path in its own axes between times, shape (k, 3)."""
+    rotations = from_quaternions(path.at(times)[:, 3:])
+    between = rotations[:-1].transpose(0, 2, 1) @ rotations[1:]
+    return log3_all(between) / np.diff(times)[:, None]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("degrees", [1e-3, 0.01, 30.0, 90.0, 150.0, 179.9, 180.0])
+def test_a_path_never_turns_faster_than_its_limit_and_always_at_one_speed(degrees, sign):
+    """Components of quaternions in proportion to time exceed it by 41 % at 180 degrees."""
+    angle = np.deg2rad(degrees)
+    path = ee_path(1.0, np.array([turned(0.0), turned(angle, sign=sign)]), 1.0, 0.5)
+    assert path.end - 1.0 == pytest.approx(angle / 0.5, rel=1e-9)
+    speeds = np.linalg.norm(turning(path, np.linspace(1.0, path.end, 401)), axis=1)
+    np.testing.assert_allclose(speeds, 0.5, rtol=1e-6)
+
+
+def test_a_turn_that_takes_as_long_as_its_line_has_one_axis_and_one_speed():
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        first, second = rng.normal(size=(2, 7))
+        path = ee_path(0.0, np.array([first, second]), 0.2)
+        rates = turning(path, np.linspace(0.0, path.end, 51))
+        np.testing.assert_allclose(rates, np.broadcast_to(rates[0], rates.shape), atol=1e-9)
+        assert np.linalg.norm(rates[0]) * path.end <= np.pi + 1e-9, "the short way round"
+        start, end = from_quaternions(path.at(np.array([0.0, path.end]))[:, 3:])
+        np.testing.assert_allclose(
+            [to_quaternion(start), to_quaternion(end)],
+            [to_quaternion(each) for each in from_quaternions(np.array([first, second])[:, 3:])],
+            atol=1e-9,
+        )
+
+
+def test_a_trajectory_of_poses_turns_the_short_way_though_the_signs_differ():
+    poses = Trajectory(np.array([0.0, 1.0]), np.array([turned(0.0), turned(1.0, sign=-1.0)]))
+    speeds = np.linalg.norm(turning(poses, np.linspace(0.0, 1.0, 11)), axis=1)
+    np.testing.assert_allclose(speeds, 1.0, rtol=1e-9)
+
+
+def test_a_pose_that_does_not_turn_keeps_its_quaternion_to_the_bit():
+    pose = np.array([0.0, 0.0, 0.0, 0.3, -0.2, 0.7, 0.4])
+    line = Trajectory(np.array([0.0, 1.0]), np.array([pose, [1.0, *pose[1:]]]))
+    values = line.at(np.linspace(-1.0, 2.0, 31))
+    np.testing.assert_array_equal(values[:, 3:], np.broadcast_to(pose[3:], (31, 4)))
 
 
 def test_steps_hold_between_their_times():

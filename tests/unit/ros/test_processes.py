@@ -5,11 +5,14 @@ import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 
+from lexstack_ros import domain
 from lexstack_ros.domain import NoDomainError, own_domain
 from lexstack_ros.supervisor import ChildDiedError, NotReadyError, Supervisor
+from support.leftovers import is_alive
 
 # A shell that starts the tests in the background lets them ignore SIGINT, and so their children.
 READY = (
@@ -39,13 +42,24 @@ def supervisor(tmp_path, monkeypatch):
 
 def gone(pid):
     """Return whether a process has ended, waiting for it a little."""
-    for _ in range(100):
-        try:
-            os.kill(pid, 0)
-        except ProcessLookupError:
-            return True
+    end = time.monotonic() + 5.0
+    while is_alive(pid):
+        if time.monotonic() > end:
+            return False
         time.sleep(0.05)
-    return False
+    return True
+
+
+def test_a_process_that_nobody_has_waited_for_is_gone():
+    """As all orphans in a container whose first process reaps nobody."""
+    process = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+    assert is_alive(process.pid)
+    process.send_signal(signal.SIGKILL)
+    assert gone(process.pid)
+    os.kill(process.pid, 0)  # a zombie takes signals: that does not tell
+    process.wait()
+    process.stdin.close()
+    assert not is_alive(process.pid)
 
 
 def test_children_become_ready_and_end(supervisor):
@@ -121,6 +135,58 @@ def test_two_runs_have_two_domains(monkeypatch):
         assert one != other
     with own_domain() as again:
         assert again == one
+
+
+def refusing(refused, *, creating):
+    """Return an ``os.open`` that refuses a file, always or where it may create it."""
+
+    def opened(path, flags, *rest):
+        if path.name == refused and (not creating or flags & os.O_CREAT):
+            raise PermissionError(13, "Permission denied", str(path))
+        return os.open(path, flags, *rest)
+
+    return opened
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Return the folder of lock files, with that of the first domain in it."""
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    monkeypatch.setattr(domain.tempfile, "gettempdir", lambda: str(tmp_path))
+    (tmp_path / "lexstack-domain-1.lock").touch()
+    return tmp_path
+
+
+def test_a_lock_file_of_another_account_that_may_be_read_locks_that_domain(folder, monkeypatch):
+    """O_CREAT on it is refused in a folder that all share, and writing anyway."""
+    refuse = refusing("lexstack-domain-1.lock", creating=True)
+    monkeypatch.setattr(domain, "os", SimpleNamespace(**{**vars(os), "open": refuse}))
+    with own_domain() as one, own_domain() as other:
+        assert (one, other) == (1, 2)
+
+
+def test_a_lock_file_of_another_account_that_may_not_be_read_is_passed_over(folder, monkeypatch):
+    refuse = refusing("lexstack-domain-1.lock", creating=False)
+    monkeypatch.setattr(domain, "os", SimpleNamespace(**{**vars(os), "open": refuse}))
+    with own_domain() as number:
+        assert number == 2
+
+
+def test_a_folder_in_which_nothing_can_be_locked_is_named_in_one_line(folder, monkeypatch):
+    def refuse(path, *_):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(domain, "os", SimpleNamespace(**{**vars(os), "open": refuse}))
+    with pytest.raises(NoDomainError, match=r"is free .*lock: Permission denied") as error:
+        own_domain().__enter__()
+    assert "\n" not in str(error.value)
+
+
+def test_a_pipe_with_the_name_of_a_lock_holds_nobody_up(folder):
+    (folder / "lexstack-domain-1.lock").unlink()
+    os.mkfifo(folder / "lexstack-domain-1.lock")
+    with own_domain() as number:
+        assert number in (1, 2)
 
 
 def test_a_given_domain_is_taken(monkeypatch):

@@ -1,16 +1,20 @@
 """Obstacles in MuJoCo: where the core has them, in the way, and seen by what measures distance."""
 
 import dataclasses
+import itertools
 
+import mujoco
 import numpy as np
 import pytest
 
-from lexstack_core.config.scenario import ObstacleConfig
+from lexstack_core.config.scenario import ObstacleConfig, PlacementConfig
+from lexstack_core.errors import ModelError
 from lexstack_core.model import Team
+from lexstack_sim.contacts import OBSTACLE, robot_masks
 from lexstack_sim.obstacles import Clearance, obstacle_name
 from lexstack_sim.plant import Plant
 from lexstack_sim.world import build_world
-from support.scenario import changed, home, random_q
+from support.scenario import changed, home, random_q, resolved
 
 POST = ObstacleConfig((0.9, 0.0, 0.25), 0.2)
 BALL = ObstacleConfig(
@@ -50,6 +54,65 @@ def test_one_that_runs_into_a_robot_touches_it():
     for _ in range(150):
         plant.step(np.zeros(20))
     assert plant.counters.contact > 0
+
+
+@pytest.fixture(scope="module")
+def crowd():
+    """Return a plant of 40 robots in a row, with an obstacle beside the last one."""
+    model = resolved().scenario.robots["robot_a"].model
+    robots = {f"robot_{i}": PlacementConfig(model, (0.0, 3.0 * i, 0.0)) for i in range(40)}
+    ball = ObstacleConfig((1.2, 3.0 * 39, 0.3), 0.15)
+    scenario = changed(robots=robots, obstacles={"ball": ball}, events=())
+    return Plant(scenario, Team.from_scenario(scenario))
+
+
+def touching_pairs(crowd, **places):
+    """Return who touches whom with some robots' bases moved to places x, y [m]."""
+    world = crowd.world
+    data = mujoco.MjData(world)
+    data.qpos[:] = crowd.reset().q
+    for name, place in places.items():
+        first = crowd.team.slices[crowd.team.index(name)].start
+        data.qpos[first : first + 2] = place
+    mujoco.mj_forward(world, data)
+    owners = np.array([world.geom(i).name.split("/")[0] for i in range(world.ngeom)])
+    return {tuple(sorted(owners[pair])) for pair in data.contact.geom}
+
+
+@pytest.mark.parametrize("number", [0, 29, 30, 31, 32, 39])
+def test_every_one_of_forty_robots_touches_an_obstacle(crowd, number):
+    """With one bit of contact for each robot the 31st passed through, the 32nd was a TypeError."""
+    assert touching_pairs(crowd) == set()
+    beside = (1.2 - 0.45, 3.0 * 39)
+    moved = {f"robot_{number}": beside}
+    if number != 39:
+        moved["robot_39"] = (9.0, 9.0)
+    assert touching_pairs(crowd, **moved) == {("obstacle", f"robot_{number}")}
+
+
+@pytest.mark.parametrize(("one", "other"), [(0, 1), (0, 30), (29, 31), (30, 31), (38, 39), (7, 39)])
+def test_any_two_of_forty_robots_touch_each_other(crowd, one, other):
+    moved = {f"robot_{one}": (30.0, -30.0), f"robot_{other}": (30.5, -30.0)}
+    assert touching_pairs(crowd, **moved) == {tuple(sorted(moved))}
+
+
+def test_forty_robots_go_a_few_ticks(crowd):
+    crowd.reset()
+    for _ in range(3):
+        state = crowd.step(np.full(crowd.team.n, 0.01))
+    assert np.isfinite(state.q).all()
+    assert np.abs(state.v).max() > 0.0
+
+
+def test_robots_touch_exactly_if_their_numbers_differ():
+    masks = [robot_masks(i) for i in range(200)]
+    for (i, (kind, affinity)), (j, (kind_2, affinity_2)) in itertools.product(
+        enumerate(masks), repeat=2
+    ):
+        assert bool(kind & affinity_2 or kind_2 & affinity) == (i != j)
+        assert max(kind, affinity) < OBSTACLE
+    with pytest.raises(ModelError, match="at most 32768"):
+        robot_masks(32768)
 
 
 def test_obstacles_touch_no_obstacles_and_not_the_floor():

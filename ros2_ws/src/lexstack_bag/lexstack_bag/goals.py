@@ -119,19 +119,19 @@ def _worst(values: Iterable[float | None]) -> float | None:
 
 def summary_lines(metrics: Metrics) -> list[str]:
     """Return the goals and phases as lines of plain text."""
-    lines = [f"{'':42}{'paper':>15}{'goal':>10}{'ours':>12}"]
+    lines = [f"{'':42} {'paper':>14} {'goal':>9} {'ours':>11}"]
     for goal in goals_of(metrics):
         word = {True: "reached", False: "NOT reached", None: "not in this run"}[goal.reached]
-        lines.append(f"{goal.quantity:42}{goal.paper:>15}{goal.goal:>10}{goal.ours:>12}  {word}")
+        lines.append(f"{goal.quantity:42} {goal.paper:>14} {goal.goal:>9} {goal.ours:>11}  {word}")
     lines.append("")
     lines.append(
-        f"{'phase':16}{'start s':>9}{'settled s':>11}{'blend s':>9}"
-        f"{'EE mm':>16}{'base mm':>16}{'acc. ratio':>12}"
+        f"{'phase':20} {'start s':>8} {'settled s':>10} {'blend s':>8}"
+        f" {'EE mm':>17} {'base mm':>17} {'acc. ratio':>11}"
     )
     lines += [
-        f"{phase.stack:16}{phase.start_s:>9.2f}{_text(phase.settled_s):>11}"
-        f"{_text(phase.transition_s):>9}{_pair(phase.ee_error_mm):>16}"
-        f"{_pair(phase.base_error_mm):>16}{_text(phase.peak_acceleration_ratio, 3):>12}"
+        f"{phase.stack:20} {phase.start_s:>8.2f} {_text(phase.settled_s):>10}"
+        f" {_text(phase.transition_s):>8} {_pair(phase.ee_error_mm):>17}"
+        f" {_pair(phase.base_error_mm):>17} {_text(phase.peak_acceleration_ratio, 3):>11}"
         for phase in metrics.phases
     ]
     lines += _sequence_lines(metrics)
@@ -146,15 +146,15 @@ def _sequence_lines(metrics: Metrics) -> list[str]:
     """Return the sequences as lines of plain text."""
     if not metrics.sequences:
         return []
-    head = f"{'sequence':22}{'begun s':>9}{'done':>10}{'completed in s':>16}{'plans Hz':>10}"
-    lines = ["", f"{head}{'solve ms':>10}{'p99 ms':>8}"]
+    head = f"{'sequence':22} {'begun s':>8} {'done':>9} {'completed in s':>15} {'plans Hz':>9}"
+    lines = ["", f"{head} {'solve ms':>9} {'p99 ms':>7}"]
     for one in metrics.sequences:
         solve = metrics.solve_us[f"htmpc, {one.robot}"]
         median, p99 = (None if solve[k] is None else 1e-3 * solve[k] for k in ("median", "p99"))
         lines.append(
-            f"{one.title:22}{one.begun_s:>9.2f}{f'{one.done} of {one.count}':>10}"
-            f"{_text(one.completion_s):>16}{_text(one.plans_hz, 1):>10}{_text(median):>10}"
-            f"{_text(p99):>8}"
+            f"{one.title:22} {one.begun_s:>8.2f} {f'{one.done} of {one.count}':>9}"
+            f" {_text(one.completion_s):>15} {_text(one.plans_hz, 1):>9} {_text(median):>9}"
+            f" {_text(p99):>7}"
         )
     return lines
 

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from lexstack_bag.measures import Measures
 from lexstack_bag.phases import BASE_TASKS, EE_TASKS, POSTURE_TASKS, tasks_of
 from lexstack_bag.run import Run
+from lexstack_core.config.reader import build
 from lexstack_core.linear import Vector
 from lexstack_core.model.robot import ARM
+from lexstack_core.tasks.posture import PostureParameters, posture_target
 
 # An error has settled once it stays below its steady state plus this.
 SETTLED_BAND = 1.0  # mm for end effectors and bases, mrad for postures
@@ -61,9 +63,8 @@ def _errors(run: Run, measures: Measures, stack: str) -> Iterator[Vector]:
     team = run.team()
     for name, task in tasks_of(run, stack, POSTURE_TASKS).items():
         robot = team.index(name)
-        limits = team.robots[robot].limits
-        middle = 0.5 * (limits.position_lower[ARM] + limits.position_upper[ARM])
-        target = task.parameters.get("target")
+        where = f"stack {stack}: posture"
+        parameters = build(PostureParameters, task.parameters, where)
+        target = posture_target(team.robots[robot], parameters, where)
         arm = run.plant.q[:, team.slices[robot]][:, ARM]
-        distance = arm - (middle if target is None else np.array(target))
-        yield 1e3 * np.linalg.norm(distance, axis=1)
+        yield 1e3 * np.linalg.norm(arm - target, axis=1)

@@ -42,17 +42,39 @@ def _domain() -> Iterator[int]:
         yield int(given)
         return
     folder = Path(tempfile.gettempdir())
+    reason = ""
     for number in _IDS:
-        # The lock ends with the process, however it ends.
-        handle = os.open(folder / f"lexstack-domain-{number}.lock", os.O_CREAT | os.O_RDWR, 0o666)
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            os.close(handle)
-            continue
+            # The lock ends with the process, however it ends.
+            handle = _locked(folder / f"lexstack-domain-{number}.lock")
+        except OSError as error:
+            reason = f" ({error.filename or folder}: {error.strerror})"
+            continue  # another run has it, or another account's file says nothing about it
         try:
             yield number
         finally:
             os.close(handle)
         return
-    raise NoDomainError(f"no ROS_DOMAIN_ID from {_IDS[0]} to {_IDS[-1]} is free; set one yourself")
+    raise NoDomainError(
+        f"no ROS_DOMAIN_ID from {_IDS[0]} to {_IDS[-1]} is free{reason}; set one yourself"
+    )
+
+
+def _locked(path: Path) -> int:
+    """Return a handle that holds the lock of a file; raises OSError where that cannot be had.
+
+    The file is another account's where that one's run made it. Reading is enough for its lock, so
+    runs of several accounts do not meet either; to open it for writing, or with O_CREAT in a folder
+    that all share, is not allowed.
+    """
+    plain = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+    try:
+        handle = os.open(path, plain)
+    except FileNotFoundError:
+        handle = os.open(path, plain | os.O_CREAT, 0o644)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(handle)
+        raise
+    return handle

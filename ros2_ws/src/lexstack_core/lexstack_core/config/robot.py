@@ -96,19 +96,29 @@ class ArmConfig:
     damping: tuple[float, ...]  # K_qd of T(40) [N m s/rad]
     armature: tuple[float, ...]  # kg m2, rotor inertia seen at the joint
     q_star_distance: tuple[float, ...]  # rad: how far q* may run from q
+    # rad: where the task ``posture`` leads by default, away from singularities; None: mid-range,
+    # which is often singular
+    posture: tuple[float, ...] | None = None
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a list of the wrong length or a value out of range."""
         lists = {name: getattr(self, name) for name in (*_ANGLES, *_POSITIVE, *_NOT_NEGATIVE)}
         same_length(where, len(self.joints), **lists)
+        if self.posture is not None:
+            same_length(where, len(self.joints), posture=self.posture)
+            finite(where, posture=self.posture)
         finite(where, **{name: lists[name] for name in _ANGLES})
         positive(where, **{name: lists[name] for name in _POSITIVE})
         not_negative(where, **{name: lists[name] for name in _NOT_NEGATIVE})
         for i, name in enumerate(self.joints):
             if not self.position_lower[i] < self.position_upper[i]:
                 raise ConfigurationError(f"{where}: {name}: position_lower >= position_upper")
-            if not self.position_lower[i] <= self.home[i] <= self.position_upper[i]:
-                raise ConfigurationError(f"{where}: {name}: home is outside the position limits")
+            for key in ("home", "posture"):
+                values = getattr(self, key)
+                if values and not self.position_lower[i] <= values[i] <= self.position_upper[i]:
+                    raise ConfigurationError(
+                        f"{where}: {name}: {key} is outside the position limits"
+                    )
 
 
 @dataclass(frozen=True, slots=True)

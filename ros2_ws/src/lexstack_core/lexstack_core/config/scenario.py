@@ -21,6 +21,7 @@ MethodName = Literal[  # the keys of lexstack_core.transition.methods.METHODS
     "bridge_jerk",
     "t37",
     "t34",
+    "t34_limited",
     "instant",
     "instant_limited",
     "interpolation",

@@ -58,7 +58,8 @@ class Htmpc:
         Args:
             robot: its model.
             config: parameters.
-            spheres: places in the robot's list of those that keep distances; None: all.
+            spheres: places in the robot's list of those that keep distances, also to the floor
+                where the configuration says so; None: all.
 
         Raises:
             ModelError: the robot has a joint or a sphere that cannot be.
@@ -70,6 +71,8 @@ class Htmpc:
         self.horizon = Horizon(config.horizon, config.step)
         self._model = StageModel(robot, config.horizon, ())
         self._model_with_spheres = StageModel(robot, config.horizon, chosen)
+        # The floor is there for a lone robot without obstacles, too.
+        self._floor = config.collision.ground and bool(self._model_with_spheres.lifted.any())
         self._effort = Effort(config.effort, self.horizon, robot.n)
         self._barrier = LimitBarrier(
             config.limits,
@@ -92,7 +95,7 @@ class Htmpc:
             start: the measured state.
             objectives: the tasks of the window, highest first.
             before: the plan that was in force until now: first guess and u_{-1}.
-            around: what is in the way; None: no distance is kept, not even to the floor.
+            around: what is in the way beside the floor; None: nothing.
 
         Raises:
             InputError: a shape or value that is wrong; what a solver does is in the status.
@@ -152,7 +155,7 @@ class Htmpc:
         self, start: Start, before: Plan | None = None, around: Surroundings | None = None
     ) -> Program:
         """Return what all levels of a solve share; arguments as in ``solve``."""
-        model = self._model if around is None else self._model_with_spheres
+        model = self._model if around is None and not self._floor else self._model_with_spheres
         previous = np.zeros(self.robot.n) if before is None else before.input_before(start.stamp)
         return Program(
             self.horizon,

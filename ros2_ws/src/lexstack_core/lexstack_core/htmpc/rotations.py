@@ -1,11 +1,11 @@
-"""Rotations of all stages at once: logarithm, and how it changes."""
+"""Rotations of all stages at once: logarithm, how it changes, and turning between two."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_core.linear import Matrix
+from lexstack_core.linear import Matrix, Vector
 from lexstack_core.rotation import log3
 
 Array = NDArray[np.float64]
@@ -62,3 +62,38 @@ def from_quaternions(quaternions: Matrix) -> Array:
         (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
     )
     return np.moveaxis(np.array(rows), 2, 0)
+
+
+def angles(ones: Matrix, others: Matrix) -> Vector:
+    """Return the angles between unit quaternions in R^4, shapes (N, 4) to (N,), rad, in [0, pi].
+
+    Half of the angle of the rotation between them. The tangent has it to the last digit also near
+    0 and pi, where the arc cosine of the product loses half of the digits.
+    """
+    apart = np.linalg.norm(others - ones, axis=-1)
+    along = np.linalg.norm(others + ones, axis=-1)
+    return np.asarray(2.0 * np.arctan2(apart, along))
+
+
+def between(ones: Matrix, others: Matrix, shares: Vector) -> Matrix:
+    """Return quaternions on the way from one to another (slerp), shapes (N, 4), (N, 4) to (N, 4).
+
+    The rotation turns about one axis, by an angle in proportion to the share, the short way round:
+
+        q(s) = (sin((1 - s) a) q_0 + sin(s a) q_1) / sin a,   a: the angle between them in R^4
+
+    Args:
+        ones: q_0, shape (N, 4), of any length but zero.
+        others: q_1, shape (N, 4); -q_1 is the same rotation.
+        shares: s, shape (N,), in [0, 1]; where s = 0 or the two are equal, the result is q_0.
+    """
+    first = ones / np.linalg.norm(ones, axis=1, keepdims=True)
+    second = others / np.linalg.norm(others, axis=1, keepdims=True)
+    near = np.where(np.einsum("ij,ij->i", first, second) < 0.0, -1.0, 1.0)
+    second = near[:, None] * second
+    angle = angles(first, second)
+    still = (shares == 0.0) | (angle < _TINY)
+    sine = np.sin(np.where(still, 1.0, angle))
+    before, after = np.sin((1.0 - shares) * angle) / sine, np.sin(shares * angle) / sine
+    turned = before[:, None] * first + after[:, None] * second
+    return np.asarray(np.where(still[:, None], ones, turned))

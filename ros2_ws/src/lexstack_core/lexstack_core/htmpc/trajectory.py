@@ -1,8 +1,9 @@
 """Reference trajectories r(t) as values: straight lines between points in time, and jumps.
 
 A base pose is x, y, yaw; an end-effector position x, y, z; an end-effector pose x, y, z and the
-quaternion x, y, z, w; all in the world frame [m, rad]. A time that occurs twice is a jump: nothing
-is interpolated across it, and from that time on the later value holds.
+quaternion x, y, z, w; all in the world frame [m, rad]. Between two points the position goes along
+a line and the orientation turns about one fixed axis, each at a constant speed. A time that occurs
+twice is a jump: nothing is interpolated across it, and from that time on the later value holds.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lexstack_core.errors import InputError
+from lexstack_core.htmpc.rotations import angles, between
 from lexstack_core.linear import Matrix, Vector
 
 _ROUNDING = 1e-9  # s
@@ -24,7 +26,7 @@ class Trajectory:
 
     Attributes:
         times: shape (m,), s, not decreasing.
-        values: shape (m, s).
+        values: shape (m, s). With seven columns they are end-effector poses.
     """
 
     times: Vector
@@ -64,7 +66,10 @@ class Trajectory:
         length = self.times[j] - self.times[i]
         share = np.where(length > 0.0, times - self.times[i], 0.0)
         share = np.clip(share / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
-        return np.asarray(self.values[i] + share[:, None] * (self.values[j] - self.values[i]))
+        found = self.values[i] + share[:, None] * (self.values[j] - self.values[i])
+        if found.shape[1] == _POSE:
+            found[:, 3:] = between(self.values[i, 3:], self.values[j, 3:], share)
+        return np.asarray(found)
 
 
 def hold(value: Vector) -> Trajectory:
@@ -88,7 +93,7 @@ def ee_path(begin: float, points: Matrix, speed: float, turn: float = np.inf) ->
         begin: when it leaves the first point [s].
         points: at least one.
         speed: along the lines [m/s], positive.
-        turn: of the orientation, at most about this [rad/s], positive.
+        turn: of the orientation, at most this [rad/s], positive.
 
     Raises:
         InputError: a speed that is not positive, or points of another shape.
@@ -99,7 +104,7 @@ def ee_path(begin: float, points: Matrix, speed: float, turn: float = np.inf) ->
         for i in range(1, len(values)):  # q and -q are one rotation: take the near one
             if values[i, 3:] @ values[i - 1, 3:] < 0.0:
                 values[i, 3:] *= -1.0
-    turns = 2.0 * np.linalg.norm(np.diff(values[:, 3:], axis=0), axis=1)
+    turns = 2.0 * angles(values[:-1, 3:], values[1:, 3:])
     return _timed(begin, values, 3, turns, (speed, turn))
 
 

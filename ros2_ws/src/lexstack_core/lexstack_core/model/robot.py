@@ -48,6 +48,17 @@ class RobotModel:
         """Return the home configuration with the base at x [m], y [m], yaw [rad], shape (n,)."""
         return np.array([*base, *self.config.arm.home])
 
+    @property
+    def mid_range(self) -> Vector:
+        """The middle of the arm's position limits, (q_max + q_min) / 2, rad."""
+        return 0.5 * (self.limits.position_lower[ARM] + self.limits.position_upper[ARM])
+
+    @property
+    def posture(self) -> Vector:
+        """Where the arm rests: the posture of its file, or mid-range where it has none, rad."""
+        posture = self.config.arm.posture
+        return self.mid_range if posture is None else np.array(posture)
+
     def tool(self, q: Vector) -> tuple[Pose, Matrix]:
         """Return the tool's pose and its Jacobian (6, n), LOCAL_WORLD_ALIGNED, at q (n,)."""
         jacobian = pin.computeFrameJacobian(

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from lexstack_core.config.checks import finite, positive, same_length
 from lexstack_core.config.reader import build
-from lexstack_core.linear import LinearTask
-from lexstack_core.model import Kinematics, Team
-from lexstack_core.model.robot import ARM
+from lexstack_core.linear import LinearTask, Vector
+from lexstack_core.model import Kinematics, RobotModel, Team
 from lexstack_core.references import References
 
 
@@ -20,12 +19,13 @@ class PostureParameters:
     """Parameters of the task ``posture``."""
 
     gain: float = 1.0  # lambda [1/s]
-    target: tuple[float, ...] | None = None  # rad; default: mid-range (q_max + q_min) / 2
+    # rad; None: the robot's own posture; mid_range: (q_max + q_min) / 2, as in T
+    target: Literal["mid_range"] | tuple[float, ...] | None = None
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a value out of range."""
         positive(where, gain=self.gain)
-        if self.target is not None:
+        if isinstance(self.target, tuple):
             finite(where, target=self.target)
 
 
@@ -36,16 +36,12 @@ class Posture:
         self, team: Team, robot: int, parameters: PostureParameters, where: str = "posture"
     ) -> None:
         """Make the task of the robot at place ``robot``; raises for a target of wrong length."""
-        limits = team.robots[robot].limits
-        middle = 0.5 * (limits.position_lower[ARM] + limits.position_upper[ARM])
-        if parameters.target is not None:
-            same_length(where, len(middle), target=parameters.target)
         self.name = f"{team.names[robot]}/posture"
         self.robots = (robot,)
-        self._target = middle if parameters.target is None else np.array(parameters.target)
-        start = team.slices[robot].stop - len(middle)
+        self._target = posture_target(team.robots[robot], parameters, where)
+        start = team.slices[robot].stop - len(self._target)
         self._part = slice(start, team.slices[robot].stop)
-        self._matrix = np.eye(len(middle), team.n, start)
+        self._matrix = np.eye(len(self._target), team.n, start)
         self._matrix.setflags(write=False)  # solvers may remember it
         self._gain = parameters.gain
 
@@ -58,3 +54,13 @@ class Posture:
         """Return one row per arm joint [rad/s]."""
         error = self._target - kinematics.state.q_star[self._part]
         return LinearTask.equality(self.name, self._matrix, self._gain * error)
+
+
+def posture_target(model: RobotModel, parameters: PostureParameters, where: str) -> Vector:
+    """Return q_d, shape (arm,), rad; raises ConfigurationError for a target of wrong length."""
+    if parameters.target is None:
+        return model.posture
+    if parameters.target == "mid_range":
+        return model.mid_range
+    same_length(where, len(model.mid_range), target=parameters.target)
+    return np.array(parameters.target)

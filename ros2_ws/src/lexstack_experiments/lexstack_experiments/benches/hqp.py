@@ -37,7 +37,7 @@ _AT_BOUNDS = ", at bounds"
 _NAMES = {
     "track": "2 levels",
     "reach_base": "base",
-    "posture": "posture",
+    "posture_mid_range": "posture",
     "avoid": "3 levels, distances above",
     "avoid_base": "4 levels, distances above",
 }
@@ -121,7 +121,7 @@ def run(options: Options) -> Results:
 def _name(sequence: Sequence) -> str:
     """Return what a sequence is called."""
     if sequence.blending:
-        return f"follow-chi to {sequence.stack}"
+        return f"follow-chi to {sequence.stack.removesuffix('_mid_range')}"
     return _NAMES.get(sequence.stack, sequence.stack)
 
 

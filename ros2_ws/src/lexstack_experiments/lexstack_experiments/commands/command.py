@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
 
+from lexstack_bag.folders import whose
 from lexstack_core.errors import ConfigurationError, LexstackError
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.text import lines_of
@@ -106,6 +107,8 @@ def _options(root: Path, kind: str, experiment: Experiment, parsed: argparse.Nam
         out.mkdir(parents=True, exist_ok=True)
         if any(out.iterdir()):
             raise ConfigurationError(f"--out: {out} is not empty; name another folder")
+    except PermissionError as error:
+        raise ConfigurationError(f"--out: {out}: {error.strerror}: {whose(out)}") from error
     except OSError as error:
         raise ConfigurationError(f"--out: {out}: {error.strerror}") from error
     cases = parsed.cases or experiment.cases

@@ -161,8 +161,8 @@ def wave_tracks(tool: Vector, peak: Vector) -> tuple[Track, Track]:
 
 
 def htmpc(robot: RobotModel, config: HtmpcConfig, preview: bool = True) -> Follow:
-    """Return the HTMPC in its loop; without preview it is HTMPC_WPT."""
-    optimiser = Htmpc(robot, config)
+    """Return the HTMPC in its loop; without preview it is HTMPC_WPT. It keeps no distances."""
+    optimiser = Htmpc(robot, config, ())
     return lambda q, tracks: follow_htmpc(optimiser, q, tracks, 2.0 * HALF, preview=preview)
 
 

@@ -22,7 +22,7 @@ Stream = Callable[[float], list[Target]]
 """The references that are sent at a time [s]."""
 
 _STRETCHED = (0.0, 0.0, 0.0, -0.07, 0.0, 1.5708, 0.7854)  # rad, the elbow at its limit
-_PAPER = ("posture", "reach_base", "track")  # T's stacks: all have level 1 in common
+_PAPER = ("posture_mid_range", "reach_base", "track")  # T's stacks: all have level 1 in common
 _HEARD = 0.15  # s, how old B's chi may be where it is late
 
 
@@ -99,7 +99,7 @@ def cases(config: Path, seed: int) -> list[Case]:
             lambda: Frozen(mid),
         ),
         _stretched(resolved, "reach_base"),
-        _stretched(resolved, "posture"),
+        _stretched(resolved, "posture_mid_range"),
         Case(
             "the new stack's position limits exclude where the joints are",
             _switches(resolved, 8.0, (1.0, "confined")),
@@ -128,7 +128,7 @@ def _moving(resolved: ResolvedScenario) -> Case:
         offset = np.array([0.12 * np.sin(turn), 0.0, 0.08 * np.sin(2.0 * turn)])
         return _moved(tools, offset, time)
 
-    switches = _switches(resolved, 13.0, (3.0, "reach_base"), (8.0, "posture"))
+    switches = _switches(resolved, 13.0, (3.0, "reach_base"), (8.0, "posture_mid_range"))
     about = "both tools move at up to 0.25 m/s"
     return Case(about, switches, (Row("tools moving", 3.0, 13.0),), stream=stream)
 
@@ -140,7 +140,7 @@ def _preempted(resolved: ResolvedScenario, seed: int) -> Case:
     for _ in range(9):
         names.append(str(rng.choice([n for n in _PAPER if n != names[-1]])))
     if names[-1] == "reach_base":
-        names[-1] = "track" if names[-2] != "track" else "posture"
+        names[-1] = "track" if names[-2] != "track" else "posture_mid_range"
     times = [round(1.0 + 0.4 * i, 6) for i in range(len(names) + 1)]
     switches = _switches(resolved, 14.0, *zip(times, [*names, "reach_base"], strict=True))
     return Case("a new switch every 0.4 s", switches, (Row("pre-empted", 1.0, 14.0),))
@@ -160,7 +160,8 @@ def _stretched(resolved: ResolvedScenario, stack: str) -> Case:
         return _moved(tools, np.array([0.0, 0.0, -down]), time)
 
     about = f"both arms start stretched upwards, the tools come down by 0.5 m, switch to {stack}"
-    return Case(about, start, (Row(f"singular, {stack}", 1.0, 10.0),), stream=stream)
+    row = Row(f"singular, {stack.removesuffix('_mid_range')}", 1.0, 10.0)
+    return Case(about, start, (row,), stream=stream)
 
 
 def _switches(

@@ -32,7 +32,8 @@ def draw(rows: Rows, still: str, path: Path) -> None:
             }
             panel.plot(values[still], places, "|", color="#000000", markersize=12, label=still)
             for k, method in reversed(list(enumerate(methods))):
-                size, shape = (8, "D") if k == 0 else (5, "o")
+                # Where the colours begin again, the shape is another one.
+                size, shape = (8, "D") if k == 0 else (5, "o" if k < len(COLOURS) else "^")
                 colour = COLOURS[k % len(COLOURS)]
                 panel.plot(values[method], places, shape, color=colour, ms=size, label=method)
             panel.axvline(1.0, color="#555555", linewidth=0.8, linestyle=":")

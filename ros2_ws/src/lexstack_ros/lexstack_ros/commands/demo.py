@@ -18,6 +18,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from lexstack_bag.commands.analyze import analyze
+from lexstack_bag.folders import whose
 from lexstack_bag.goals import summary_lines
 from lexstack_core.checked import checked
 from lexstack_core.config.available import FOR_OTHERS
@@ -156,6 +157,8 @@ def run_folder(root: Path, out: Path | None, scenario: str) -> Path:
         out.mkdir(parents=True, exist_ok=True)
         if any(out.iterdir()):
             raise ConfigurationError(f"--out: {out} is not empty; name another folder")
+    except PermissionError as error:
+        raise ConfigurationError(f"--out: {out}: {error.strerror}: {whose(out)}") from error
     except OSError as error:
         raise ConfigurationError(f"--out: {out}: {error.strerror}") from error
     return out

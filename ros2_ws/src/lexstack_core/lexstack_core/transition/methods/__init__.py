@@ -4,7 +4,7 @@ from lexstack_core.transition.methods.activation import activation
 from lexstack_core.transition.methods.bridging import bridge
 from lexstack_core.transition.methods.instantly import instant, instant_limited
 from lexstack_core.transition.methods.interpolation import interpolation
-from lexstack_core.transition.methods.paper import t34, t37
+from lexstack_core.transition.methods.paper import t34, t34_limited, t37
 from lexstack_core.transition.methods.view import Levels, Method, View
 from lexstack_core.transition.methods.weights import weights
 
@@ -13,6 +13,7 @@ METHODS: dict[str, Method] = {
     "bridge_jerk": bridge,
     "t37": t37,
     "t34": t34,
+    "t34_limited": t34_limited,
     "instant": instant,
     "instant_limited": instant_limited,
     "interpolation": interpolation,

@@ -1,6 +1,8 @@
-"""The two methods that paper T prints."""
+"""The two methods that paper T prints, one of them in two readings."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from lexstack_core.bounds import Bounds
 from lexstack_core.hqp import HqpProblem
@@ -24,10 +26,28 @@ def t37(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
 def t34(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     """Return T(34): level 1, then the source, in a box that goes from the last tick's to the new.
 
-    Where the limits do not change, neither does the box: the method then has no effect.
+    The new box is that of T(35), without acceleration limits, as robot B has it. Where the limits
+    do not change, neither does the box: the method then has no effect.
     """
-    new, old = view.free(), view.before
-    lower = alpha * new.lower + (1.0 - alpha) * old.lower
-    upper = alpha * new.upper + (1.0 - alpha) * old.upper
+    levels = below(view.first, view.part.follow(view.source))
+    return HqpProblem(levels, _between(view.before, view.free(), alpha))
+
+
+def t34_limited(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
+    """Return T(34) read in its strongest form: with the acceleration limits of T(31) in both boxes.
+
+    The new box is A's own, and the blend never leaves it: so it is never empty, and every change of
+    the command stays within the acceleration limits.
+    """
+    box, own = _between(view.before, view.bounds, alpha), view.bounds
+    lower = np.clip(box.lower, own.lower, own.upper)
+    upper = np.clip(box.upper, own.lower, own.upper)
     levels = below(view.first, view.part.follow(view.source))
     return HqpProblem(levels, Bounds(lower, upper))
+
+
+def _between(old: Bounds, new: Bounds, alpha: float) -> Bounds:
+    """Return the box alpha new + (1 - alpha) old."""
+    lower = alpha * new.lower + (1.0 - alpha) * old.lower
+    upper = alpha * new.upper + (1.0 - alpha) * old.upper
+    return Bounds(lower, upper)
