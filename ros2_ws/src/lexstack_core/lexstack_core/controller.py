@@ -7,11 +7,11 @@ from time import perf_counter
 
 import numpy as np
 
-from lexstack_core.bounds import Bounds, target_bounds
-from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, blocked, describe, refusal
+from lexstack_core.bounds import Bounds, JointLimits, target_bounds
+from lexstack_core.hqp import Damper, HqpProblem, HqpSolver, Lifted, Solution, blocked, describe, refusal
 from lexstack_core.in_force import BoxLaw
 from lexstack_core.linear import Vector
-from lexstack_core.model import Team
+from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import ReferenceSchedule
 from lexstack_core.state import RobotState
 from lexstack_core.transition.machine import Transition
@@ -35,6 +35,8 @@ class Command:
         fallback: empty, or why it is not the configured solver's: another one's, or A brakes.
         transitions: where the transition of each channel stands, in the order of their robots.
         solve_time: wall time of the whole tick [s].
+        damped: the levels near a singularity, which are not strict at this tick.
+        undamped: empty, or why damping could not be worked out.
     """
 
     tick: int
@@ -46,6 +48,8 @@ class Command:
     fallback: str
     transitions: tuple[TransitionState, ...]
     solve_time: float
+    damped: tuple[Lifted, ...] = ()
+    undamped: str = ""
 
     @property
     def transition(self) -> TransitionState:
@@ -63,13 +67,18 @@ class Controller:
         transition: Transition,
         solver: HqpSolver,
         box: BoxLaw,
+        damper: Damper | None = None,
     ) -> None:
-        """Put the parts together; ``box`` keeps the limits, and knows the control period."""
+        """Put the parts together; ``box`` keeps the limits, and knows the control period.
+
+        ``damper`` is for those who compare: another one than the default.
+        """
         self.references = references
         self.transition = transition
         self._team = team
         self._solver = solver
         self._box = box
+        self._damper = damper or Damper(team, box.dt)
         self._sent: Vector | None = None
         self._bounds: Bounds | None = None
         self._warm: Solution | None = None
@@ -88,13 +97,13 @@ class Controller:
             bounds,
             self._bounds or bounds,
             free=lambda: target_bounds(state.q_star, wanted, self._box.dt),
-            solve=lambda problem: self._solver.solve(problem).chi,
+            solve=lambda problem: self._solve(problem, kinematics, limits, None).chi,
             limits=limits,
             dt=self._box.dt,
         )
         plans = self.transition.step(kinematics, self.references.at(state.stamp), means)
         bounds = self._bounds = plans.problem.bounds
-        solution = self._solver.solve(plans.problem, self._warm)
+        solution = self._solve(plans.problem, kinematics, limits, self._warm)
         chi, fallback = checked(solution, bounds)
         self._warm = None if fallback else solution
         self._problem = plans.problem
@@ -111,7 +120,24 @@ class Controller:
             fallback,
             told,
             perf_counter() - begun,
+            solution.damped,
+            solution.undamped,
         )
+
+    def _solve(
+        self,
+        problem: HqpProblem,
+        kinematics: Kinematics,
+        limits: JointLimits,
+        warm: Solution | None,
+    ) -> Solution:
+        """Return the solution of a problem, damped where a level is near a singularity.
+
+        What is latched and told is about the problem's own rows: damping is added here, and nobody
+        else sees it.
+        """
+        damped = self._damper.damped(problem, kinematics, limits, self._warm)
+        return damped.own(self._solver.solve(damped.problem, damped.warm(warm)))
 
     def obstructed(self) -> str:
         """Return which levels of the last tick a joint's bound keeps from being met, or ''.

@@ -3,10 +3,18 @@
 from lexstack_core.errors import ConfigurationError
 from lexstack_core.hqp.blocked import Blocked, Obstacle, blocked, describe
 from lexstack_core.hqp.clusters import ClusteredSolver
+from lexstack_core.hqp.damping import Damped, Damper
 from lexstack_core.hqp.daqp_cascade import DaqpCascade
 from lexstack_core.hqp.fallback import FallbackSolver, refusal
 from lexstack_core.hqp.oracle import OracleSolver
-from lexstack_core.hqp.problem import HqpProblem, HqpSolver, Solution, SolverFactory, Status
+from lexstack_core.hqp.problem import (
+    HqpProblem,
+    HqpSolver,
+    Lifted,
+    Solution,
+    SolverFactory,
+    Status,
+)
 from lexstack_core.hqp.proxqp_cascade import ProxqpCascade
 from lexstack_core.hqp.quadprog_cascade import QuadprogCascade
 
@@ -42,9 +50,12 @@ __all__ = [
     "SOLVERS",
     "Blocked",
     "ClusteredSolver",
+    "Damped",
+    "Damper",
     "FallbackSolver",
     "HqpProblem",
     "HqpSolver",
+    "Lifted",
     "Obstacle",
     "Solution",
     "SolverFactory",

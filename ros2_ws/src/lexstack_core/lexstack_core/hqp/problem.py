@@ -36,6 +36,26 @@ class Status(Enum):
     FAILED = "failed"
 
 
+@dataclass(frozen=True, slots=True)
+class Lifted:
+    """A level near a singularity, to which rows were added.
+
+    Attributes:
+        level: index 0 is the highest.
+        tasks: names of its tasks, of the robots concerned.
+        sigma: the least singular value of its rows in the directions that the levels above leave
+            free, in the unit of the rows; 0 where it has more rows than such directions.
+    """
+
+    level: int
+    tasks: str
+    sigma: float
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        return f"level {self.level}: {self.tasks} (sigma {self.sigma:.2g})"
+
+
 def _no_rows() -> NDArray[np.int8]:
     """Return the states of no rows."""
     return np.empty(0, dtype=np.int8)
@@ -56,6 +76,8 @@ class Solution:
         rows: -1, 0 or +1 per row of all levels, in their order: the end at which, or beyond
             which, an inequality row is; 0 for equality rows; shape (M,). It may be empty.
         note: empty, or which solvers failed before another one solved the problem.
+        damped: levels near a singularity, which gave up strictness to come to rest; see ``lift``.
+        undamped: empty, or why damping could not be worked out, so that there is none.
     """
 
     chi: Vector
@@ -66,6 +88,8 @@ class Solution:
     solve_time: float
     rows: NDArray[np.int8] = field(default_factory=_no_rows)
     note: str = ""
+    damped: tuple[Lifted, ...] = ()
+    undamped: str = ""
 
     @property
     def solved(self) -> bool:

@@ -1,0 +1,165 @@
+"""Damping of levels near singularities, applied to a problem just before it is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lexstack_core.bounds import JointLimits, target_bounds
+from lexstack_core.hqp.groups import Group, groups_of
+from lexstack_core.hqp.lift import Above, GroupLevel, lift
+from lexstack_core.hqp.problem import HqpProblem, Lifted, Solution
+from lexstack_core.hqp.regular import all_regular
+from lexstack_core.hqp.rows import Mask, Signs
+from lexstack_core.linear import LinearTask, Matrix, Vector
+from lexstack_core.model import Kinematics, Team
+
+# Of the velocity limit: a joint that may move no faster towards its position limit stands there...
+_AT_LIMIT = 0.03
+_SLOWER = 0.001  # ... where that is what holds it: it may not move faster than it did, or hardly
+_ERRORS = (ArithmeticError, ValueError)  # numpy's LinAlgError is a ValueError
+
+
+@dataclass(frozen=True, slots=True)
+class Damped:
+    """A problem as it is solved.
+
+    Attributes:
+        given: as it was asked for.
+        problem: with the rows that were added; the very same one where there are none.
+        lifted: to which levels rows were added.
+        failure: why none could be found, else empty: then the problem is solved as it was given.
+    """
+
+    given: HqpProblem
+    problem: HqpProblem
+    lifted: tuple[Lifted, ...] = ()
+    failure: str = ""
+
+    def warm(self, last: Solution | None) -> Solution | None:
+        """Return the solution of the tick before, whose rows are those of the given problem."""
+        if self.problem is self.given or last is None or not last.rows.size:
+            return last
+        mask = self._own()
+        if last.rows.size != np.count_nonzero(mask):
+            return last
+        rows: Signs = np.zeros(mask.size, dtype=np.int8)
+        rows[mask] = last.rows
+        return replace(last, rows=rows)
+
+    def own(self, solution: Solution) -> Solution:
+        """Return the solution with slacks and rows of the given problem's own rows alone.
+
+        Args:
+            solution: of ``problem``, chi of shape (n,).
+        """
+        if self.failure:
+            return replace(solution, undamped=self.failure)
+        if self.problem is self.given:
+            return solution
+        residuals = [
+            np.concatenate([task.residual(solution.chi) for task in level])
+            for level in self.given.levels
+        ]
+        slacks = np.array([np.sqrt(r.dot(r)) for r in residuals])
+        rows = solution.rows[self._own()] if solution.rows.size else solution.rows
+        for array in (slacks, rows):
+            array.setflags(write=False)
+        return replace(solution, slacks=slacks, rows=rows, damped=self.lifted)
+
+    def _own(self) -> Mask:
+        """Return which rows of ``problem`` are those of the given one."""
+        mask = [
+            np.full(task.lower.size, place < len(given), dtype=np.bool_)
+            for given, level in zip(self.given.levels, self.problem.levels, strict=True)
+            for place, task in enumerate(level)
+        ]
+        return np.concatenate(mask)
+
+
+class Damper:
+    """Adds rows to levels that are near a singularity; it remembers nothing from tick to tick."""
+
+    def __init__(self, team: Team, dt: float) -> None:
+        """Know whose joints are where; ``dt`` is the control period [s]."""
+        self._slices = team.slices
+        self._dt = dt
+
+    def damped(
+        self,
+        problem: HqpProblem,
+        kinematics: Kinematics,
+        limits: JointLimits,
+        last: Solution | None = None,
+    ) -> Damped:
+        """Return a problem with the rows of ``lift``; the same one where all levels are regular.
+
+        It never raises for numbers that are none: then the problem stays as it is.
+
+        Args:
+            problem: about to be solved, over all joints of the team.
+            kinematics: of this tick.
+            limits: of the joints, in force.
+            last: solution of the tick before, of this problem or another one; None: not known.
+        """
+        try:
+            # What is no number ends in a factorisation that says so.
+            with np.errstate(all="ignore"):
+                held = None if last is None else self._held(last, kinematics, limits)
+                rows = None if last is None else last.rows
+                added: dict[int, list[LinearTask]] = {}
+                lifted: list[Lifted] = []
+                for group in groups_of(problem, self._slices):
+                    levels = group.levels(problem, rows)
+                    mine = None if held is None else held[group.columns]
+                    if mine is not None and not mine.any():
+                        mine = None
+                    if all_regular(levels, mine):
+                        continue
+                    self._lift(group, levels, mine, kinematics, (added, lifted))
+        except _ERRORS as error:
+            return Damped(problem, problem, failure=f"no damping near singularities: {error}")
+        if not added:
+            return Damped(problem, problem)
+        extended = tuple(
+            (*level, *added[k]) if k in added else level for k, level in enumerate(problem.levels)
+        )
+        lifted.sort(key=lambda entry: entry.level)
+        return Damped(problem, HqpProblem(extended, problem.bounds), tuple(lifted))
+
+    def _lift(
+        self,
+        group: Group,
+        levels: list[GroupLevel],
+        held: Mask | None,
+        kinematics: Kinematics,
+        found: tuple[dict[int, list[LinearTask]], list[Lifted]],
+    ) -> None:
+        """Add the rows of one group to what was found, level by level."""
+        added, lifted = found
+        above = Above.of_held(np.zeros(group.size, dtype=np.bool_) if held is None else held)
+        for k, level in zip(group.ranks, levels, strict=True):
+            rows, least = lift(level, above, kinematics, group.places)
+            if not len(rows):
+                continue
+            matrix = np.zeros((len(rows), self._slices[-1].stop))
+            matrix[:, group.columns] = rows
+            if not np.isfinite(rows).all():
+                raise FloatingPointError("a row is not finite")
+            names = " + ".join(task.name for task in level.tasks)
+            added.setdefault(k, []).append(
+                LinearTask.equality(f"{names}: damping", matrix, np.zeros(len(rows)))
+            )
+            lifted.append(Lifted(k, names, least))
+
+    def _held(self, last: Solution, kinematics: Kinematics, limits: JointLimits) -> Mask | None:
+        """Return which joints stand at a position limit, shape (n,); None: none is at a bound."""
+        if not np.count_nonzero(last.active):
+            return None
+        box = target_bounds(kinematics.state.q_star, limits, self._dt)
+        ends: Vector = np.abs(np.where(last.active > 0, box.upper, box.lower))
+        mask: Mask = (last.active != 0) & (ends < _AT_LIMIT * limits.velocity)
+        # A joint that its acceleration limit holds may be as slow, on its way to anywhere.
+        mask &= ends <= np.abs(last.chi) + _SLOWER * limits.velocity
+        return mask
