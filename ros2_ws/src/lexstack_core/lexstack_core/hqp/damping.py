@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
-from lexstack_core.bounds import JointLimits, target_bounds
+from lexstack_core.bounds import JointLimits
 from lexstack_core.hqp.groups import Group, groups_of
-from lexstack_core.hqp.lift import Above, GroupLevel, lift
+from lexstack_core.hqp.lift import Above, GroupLevel, lift, pressed
 from lexstack_core.hqp.problem import HqpProblem, Lifted, Solution
 from lexstack_core.hqp.regular import all_regular
 from lexstack_core.hqp.rows import Mask, Signs
 from lexstack_core.linear import LinearTask, Matrix, Vector
 from lexstack_core.model import Kinematics, Team
 
-# Of the velocity limit: a joint that may move no faster towards its position limit stands there...
-_AT_LIMIT = 0.03
-_SLOWER = 0.001  # ... where that is what holds it: it may not move faster than it did, or hardly
+_AT_LIMIT = 0.03  # of the velocity limit: slower towards its position limit, a joint stands there
 _ERRORS = (ArithmeticError, ValueError)  # numpy's LinAlgError is a ValueError
 
 
@@ -106,18 +105,17 @@ class Damper:
         try:
             # What is no number ends in a factorisation that says so.
             with np.errstate(all="ignore"):
-                held = None if last is None else self._held(last, kinematics, limits)
+                sides = _sides(kinematics.state.q_star, limits, self._dt)
                 rows = None if last is None else last.rows
                 added: dict[int, list[LinearTask]] = {}
                 lifted: list[Lifted] = []
                 for group in groups_of(problem, self._slices):
                     levels = group.levels(problem, rows)
-                    mine = None if held is None else held[group.columns]
-                    if mine is not None and not mine.any():
-                        mine = None
+                    mine = sides[group.columns]
                     if all_regular(levels, mine):
                         continue
-                    self._lift(group, levels, mine, kinematics, (added, lifted))
+                    held = pressed(levels, mine)
+                    self._lift(group, levels, held, kinematics, (added, lifted))
         except _ERRORS as error:
             return Damped(problem, problem, failure=f"no damping near singularities: {error}")
         if not added:
@@ -132,13 +130,13 @@ class Damper:
         self,
         group: Group,
         levels: list[GroupLevel],
-        held: Mask | None,
+        held: Mask,
         kinematics: Kinematics,
         found: tuple[dict[int, list[LinearTask]], list[Lifted]],
     ) -> None:
         """Add the rows of one group to what was found, level by level."""
         added, lifted = found
-        above = Above.of_held(np.zeros(group.size, dtype=np.bool_) if held is None else held)
+        above = Above.of_held(held)
         for k, level in zip(group.ranks, levels, strict=True):
             rows, least = lift(level, above, kinematics, group.places)
             if not len(rows):
@@ -153,13 +151,22 @@ class Damper:
             )
             lifted.append(Lifted(k, names, least))
 
-    def _held(self, last: Solution, kinematics: Kinematics, limits: JointLimits) -> Mask | None:
-        """Return which joints stand at a position limit, shape (n,); None: none is at a bound."""
-        if not np.count_nonzero(last.active):
-            return None
-        box = target_bounds(kinematics.state.q_star, limits, self._dt)
-        ends: Vector = np.abs(np.where(last.active > 0, box.upper, box.lower))
-        mask: Mask = (last.active != 0) & (ends < _AT_LIMIT * limits.velocity)
-        # A joint that its acceleration limit holds may be as slow, on its way to anywhere.
-        mask &= ends <= np.abs(last.chi) + _SLOWER * limits.velocity
-        return mask
+
+def _sides(position: Vector, limits: JointLimits, dt: float) -> Vector:
+    """Return +1 or -1 where a joint stands at its upper or lower position limit, shape (n,)."""
+    upper, lower = _margins(limits, dt)
+    sides: Vector = (position > upper).astype(float)
+    sides -= position < lower
+    return sides
+
+
+@lru_cache(maxsize=64)
+def _margins(limits: JointLimits, dt: float) -> tuple[Vector, Vector]:
+    """Return beyond which positions a joint stands at its upper and at its lower limit, (n,) each.
+
+    From there on it may move towards the limit with less than a small part of its velocity limit:
+    ``approach_speed`` solved for the room.
+    """
+    speed, step = _AT_LIMIT * limits.velocity, limits.acceleration * dt
+    room = ((speed + step) ** 2 - step**2) / (2.0 * limits.acceleration)
+    return limits.position_upper - room, limits.position_lower + room

@@ -28,6 +28,7 @@ import numpy as np
 from scipy.linalg.lapack import dposv
 
 from lexstack_core.hqp.curvature import add_curvature
+from lexstack_core.hqp.rows import Mask
 from lexstack_core.linear import LinearTask, Matrix, Vector
 from lexstack_core.model import Kinematics
 
@@ -36,6 +37,7 @@ _LATE = 0.8  # of the lift, before a direction counts as lost: rows block what i
 _WEAK = 5e-6  # m, times |e|: only what truly does not bend is left to the levels below
 _RANK = 1e-8  # of a level's norm, as in the solver
 _REGULAR = 1e-6  # added to G G^T; rows have norms of about 1
+_FELT = 1e-6  # m, times |e|: a joint that a level presses less is not pressed by it
 _FARTHEST = 0.3  # m or rad: tasks that are linear in the joints do not saturate their errors
 
 
@@ -77,21 +79,11 @@ class Above:
     levels: list[tuple[int, GroupLevel]] = field(default_factory=list)
 
     @classmethod
-    def of_held(cls, held: Vector) -> Above:
+    def of_held(cls, held: Mask) -> Above:
         """Return it above the first level, with some joints held; a mask of shape (r,)."""
         unit = np.eye(held.size)
-        return cls(unit[:, held == 0.0], [unit[held != 0.0]])
+        return cls(unit[:, ~held], [unit[held]])
 
-    def multipliers(self, gradient: Vector) -> Vector:
-        """Return lambda of all rows, given J^T e, shape (r,)."""
-        rows = np.concatenate(self.rows)
-        gram = rows.dot(rows.T)
-        gram.flat[:: len(gram) + 1] += _REGULAR
-        _, found, failed = dposv(gram, rows.dot(gradient))
-        if failed:
-            raise np.linalg.LinAlgError("the multipliers of the levels above")
-        result: Vector = found
-        return result
 
     def add(self, level: GroupLevel, lifts: Matrix, null: Matrix) -> None:
         """Take a level up, with the rows that were added to it and the freedom that it leaves."""
@@ -117,7 +109,7 @@ class Bending:
         if self.level.curved:
             self._add(total, self.level, error)
         if self.above.levels:
-            multipliers = self.above.multipliers(error.dot(self.level.matrix))
+            multipliers = _multipliers(self.above.rows, error.dot(self.level.matrix))
             for start, level in self.above.levels:
                 self._add(total, level, multipliers[start : start + len(level.matrix)])
         free = self.above.free
@@ -129,6 +121,45 @@ class Bending:
         for task, start in zip(level.tasks, level.starts, strict=True):
             mine = weights[start : start + task.lower.size]
             add_curvature(total, task, mine, self.kinematics, self.places)
+
+
+def pressed(levels: list[GroupLevel], sides: Vector) -> Mask:
+    """Return which of the joints at a position limit are pressed against it, shape (r,).
+
+    By the highest level that feels it, as at the optimum of the hierarchy: this depends on the
+    state alone, and not on what a solution with or without added rows made of it.
+
+    Args:
+        levels: the highest first.
+        sides: +1 or -1 where a joint stands at its upper or lower limit, shape (r,).
+    """
+    held: Mask = np.zeros(sides.size, dtype=np.bool_)
+    unknown = sides != 0.0
+    rows: list[Matrix] = []
+    for level in levels:
+        if not unknown.any():
+            break
+        gradient = level.error.dot(level.matrix)
+        if rows:
+            gradient = gradient - _multipliers(rows, gradient).dot(np.concatenate(rows))
+        size = float(np.linalg.norm(level.error))
+        felt = unknown & (np.abs(gradient) > _FELT * level.scale * size)
+        held |= felt & (gradient * sides > 0.0)
+        unknown &= ~felt
+        rows.append(level.matrix)
+    return held
+
+
+def _multipliers(rows: list[Matrix], gradient: Vector) -> Vector:
+    """Return lambda of rows that a level must not touch, given its J^T e, shape (r,)."""
+    matrix = np.concatenate(rows)
+    gram = matrix.dot(matrix.T)
+    gram.reshape(-1)[:: len(gram) + 1] += _REGULAR
+    _, found, failed = dposv(gram, matrix.dot(gradient))
+    if failed:
+        raise np.linalg.LinAlgError("the multipliers of the levels above are not to be had")
+    result: Vector = found
+    return result
 
 
 def lift(

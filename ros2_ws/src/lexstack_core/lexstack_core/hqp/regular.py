@@ -16,23 +16,23 @@ import numpy as np
 from scipy.linalg.lapack import dpotrf
 
 from lexstack_core.hqp.lift import SINGULAR, GroupLevel
-from lexstack_core.linear import Matrix
+from lexstack_core.linear import Matrix, Vector
 
 _MET = 1e-8  # m or rad: a smaller error asks for nothing that could get out of hand
 _STIFF = 1e4  # mu
 
 
-def all_regular(levels: list[GroupLevel], free: np.ndarray | None = None) -> bool:
+def all_regular(levels: list[GroupLevel], sides: Vector) -> bool:
     """Return whether ``lift`` adds no row to any of these levels; sometimes False if it would not.
 
     Args:
         levels: of one group, the highest first.
-        free: mask of the joints that may move; None: all.
+        sides: not zero where a joint stands at a position limit: it may not be able to move.
     """
     matrices = [level.matrix for level in levels]
     rows = matrices[0] if len(matrices) == 1 else np.concatenate(matrices)
-    if free is not None:
-        rows = rows[:, free]
+    if np.count_nonzero(sides):
+        rows = rows[:, sides == 0.0]
     gram: Matrix = rows.dot(rows.T)
     end = 0
     for level in levels:

@@ -105,11 +105,14 @@ def _case(
         else:
             aside = rng.uniform(-1.0, 1.0, 2)
             position = np.array([*(base[:2] + aside), HIGHEST + beyond])
-        if kind == "relative" and robot == 1:
-            apart = np.linalg.norm(home[team.slices[1]][:2] - home[team.slices[0]][:2])
-            side = rng.uniform(0, 2 * np.pi)
-            away = apart + 2.0 * REACH + beyond
-            position = tools[0].position + away * np.array([np.cos(side), np.sin(side), 0.0])
+        if kind == "relative":
+            turn = from_rpy(tuple(rng.uniform(-0.4, 0.4, 3)))
+            position = starts[robot].position
+            if robot == 1:
+                apart = position - tools[0].position
+                length = float(np.linalg.norm(apart))
+                away = length + 2.0 * REACH + 0.25 * beyond
+                position = tools[0].position + away / length * (turn @ apart)
         tools.append(Pose(position, turn @ starts[robot].rotation))
         bases.append(base.copy())
     return Case(kind, beyond, tuple(tools), tuple(bases))
