@@ -25,6 +25,7 @@ class Curve:
         columns: the joints of each of these robots in chi.
         signs: per robot +1 or -1: the rows are that many times the Jacobian of a frame that it
             moves; empty where f is linear in the joints.
+        limits: per three rows the length that K e is shortened to, see ``saturated``; may be empty.
         scale: root of the task's weight.
     """
 
@@ -32,6 +33,7 @@ class Curve:
     robots: tuple[int, ...]
     columns: tuple[slice, ...]
     signs: tuple[float, ...] = ()
+    limits: tuple[float, ...] = ()
     scale: float = 1.0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -107,49 +108,56 @@ class Damper:
             with np.errstate(all="ignore"):
                 sides = _sides(kinematics.state.q_star, limits, self._dt)
                 rows = None if last is None else last.rows
-                added: dict[int, list[LinearTask]] = {}
+                levels = [list(level) for level in problem.levels]
                 lifted: list[Lifted] = []
                 for group in groups_of(problem, self._slices):
-                    levels = group.levels(problem, rows)
-                    mine = sides[group.columns]
-                    if all_regular(levels, mine):
-                        continue
-                    held = pressed(levels, mine)
-                    self._lift(group, levels, held, kinematics, (added, lifted))
+                    mine = group.levels(problem, rows)
+                    here = sides[group.columns]
+                    if not all_regular(mine, here):
+                        above = Above.of_held(pressed(mine, here))
+                        lifted += self._lift(group, mine, above, kinematics, levels)
         except _ERRORS as error:
             return Damped(problem, problem, failure=f"no damping near singularities: {error}")
-        if not added:
+        if not lifted:
             return Damped(problem, problem)
-        extended = tuple(
-            (*level, *added[k]) if k in added else level for k, level in enumerate(problem.levels)
-        )
         lifted.sort(key=lambda entry: entry.level)
+        extended = tuple([tuple(level) for level in levels])
         return Damped(problem, HqpProblem(extended, problem.bounds), tuple(lifted))
 
     def _lift(
         self,
         group: Group,
-        levels: list[GroupLevel],
-        held: Mask,
+        mine: list[GroupLevel],
+        above: Above,
         kinematics: Kinematics,
-        found: tuple[dict[int, list[LinearTask]], list[Lifted]],
-    ) -> None:
-        """Add the rows of one group to what was found, level by level."""
-        added, lifted = found
-        above = Above.of_held(held)
-        for k, level in zip(group.ranks, levels, strict=True):
-            rows, least = lift(level, above, kinematics, group.places)
+        levels: list[list[LinearTask]],
+    ) -> list[Lifted]:
+        """Change ``levels`` as far as they concern one group; return where that was needed."""
+        lifted = []
+        for k, places, level in zip(group.ranks, group.tasks, mine, strict=True):
+            rows, more, least = lift(level, above, kinematics, group.places)
             if not len(rows):
                 continue
+            if not math.isfinite(float(np.square(rows).sum()) + float(more.dot(more))):
+                raise FloatingPointError("a row is not finite")
+            if more.any():
+                for place, start in zip(places, level.starts, strict=True):
+                    levels[k][place] = _moved(levels[k][place], more[start:])
             matrix = np.zeros((len(rows), self._slices[-1].stop))
             matrix[:, group.columns] = rows
-            if not np.isfinite(rows).all():
-                raise FloatingPointError("a row is not finite")
-            names = " + ".join(task.name for task in level.tasks)
-            added.setdefault(k, []).append(
-                LinearTask.equality(f"{names}: damping", matrix, np.zeros(len(rows)))
-            )
+            names = " + ".join([task.name for task in level.tasks])
+            added = LinearTask.equality(f"{names}: damping", matrix, np.zeros(len(rows)))
+            levels[k].append(added)
             lifted.append(Lifted(k, names, least))
+        return lifted
+
+
+def _moved(task: LinearTask, more: Vector) -> LinearTask:
+    """Return a task that asks to remove ``more`` of its error as well, shape (at least m,)."""
+    if task.curve is None:
+        return task
+    target = task.lower + task.curve.gain * more[: task.lower.size]
+    return LinearTask.equality(task.name, task.matrix, target, task.curve)
 
 
 def _sides(position: Vector, limits: JointLimits, dt: float) -> Vector:

@@ -22,6 +22,8 @@ them (which do not bend), and the joints that stand at their position limits.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -37,6 +39,7 @@ _LATE = 0.8  # of the lift, before a direction counts as lost: rows block what i
 _WEAK = 5e-6  # m, times |e|: only what truly does not bend is left to the levels below
 _RANK = 1e-8  # of a level's norm, as in the solver
 _REGULAR = 1e-6  # added to G G^T; rows have norms of about 1
+_FULL = 1e-6  # squared, of a saturated error that is no longer told from the limit
 _FELT = 1e-6  # m, times |e|: a joint that a level presses less is not pressed by it
 _FARTHEST = 0.3  # m or rad: tasks that are linear in the joints do not saturate their errors
 
@@ -62,6 +65,14 @@ class GroupLevel:
     curved: bool
     nested: bool
     starts: tuple[int, ...]
+
+    def saturated(self) -> Iterator[tuple[slice, float]]:
+        """Yield rows whose error was saturated together, and the length that it stays below."""
+        for task, start in zip(self.tasks, self.starts, strict=True):
+            if task.curve is not None:
+                for i, limit in enumerate(task.curve.limits):
+                    longest = limit * task.curve.scale / task.curve.gain
+                    yield slice(start + 3 * i, start + 3 * i + 3), longest
 
 
 @dataclass(slots=True)
@@ -164,8 +175,8 @@ def _multipliers(rows: list[Matrix], gradient: Vector) -> Vector:
 
 def lift(
     level: GroupLevel, above: Above, kinematics: Kinematics, places: dict[int, slice]
-) -> tuple[Matrix, float]:
-    """Return the rows to add to a level, shape (k, r), and its least singular value.
+) -> tuple[Matrix, Vector, float]:
+    """Return the rows to add to a level, what to add to its error, and its least singular value.
 
     No row is added where the level is regular. ``above`` takes the level up.
 
@@ -180,14 +191,16 @@ def lift(
     else:
         least = float(values[-1]) if size else SINGULAR
     rank = int(np.count_nonzero(values > _RANK * max(level.scale, values.max(initial=0.0))))
-    lifts = np.empty((0, reduced.shape[1]))
+    lifts, more = np.empty((0, reduced.shape[1])), np.zeros_like(level.error)
     size_of_error = float(np.linalg.norm(level.error))
     if least < SINGULAR * level.scale and size_of_error > 0.0 and reduced.shape[1]:
-        error = level.error
-        if not level.curved:
-            error = error * min(1.0, _FARTHEST * level.scale / size_of_error)
         bending = Bending(level, above, kinematics, places)
-        lifts = _rows(error, (u, values, vt), bending)
+        raw = _raw(level) if level.curved else level.error
+        longest = size_of_error if level.curved else min(size_of_error, _FARTHEST * level.scale)
+        error = raw * (longest / float(np.linalg.norm(raw)))
+        lifts, lost = _rows(error, (u, values, vt), bending)
+        if len(lifts) and level.curved:
+            more = _saturated(level, raw - lost.dot(raw)) + lost.dot(error) - level.error
     null = vt[rank:].T
     if len(lifts):
         both = np.concatenate((reduced, lifts))
@@ -195,11 +208,31 @@ def lift(
         null = vt[int(np.count_nonzero(seen > _RANK * seen[0])) :].T
     added: Matrix = lifts.dot(above.free.T)
     above.add(level, added, null)
-    return added, least / level.scale
+    return added, more, least / level.scale
 
 
-def _rows(error: Vector, factors: tuple[Matrix, Vector, Matrix], bending: Bending) -> Matrix:
-    """Return R1 and R2 in the free directions, shape (k, free directions)."""
+def _raw(level: GroupLevel) -> Vector:
+    """Return the error of a level before its tasks saturated it, shape (m,)."""
+    error = level.error.copy()
+    for here, longest in level.saturated():
+        part = error[here] / longest
+        error[here] /= math.sqrt(max(_FULL, 1.0 - float(part.dot(part))))
+    return error
+
+
+def _saturated(level: GroupLevel, error: Vector) -> Vector:
+    """Return an error as the level's tasks would saturate it, shape (m,)."""
+    result = error.copy()
+    for here, longest in level.saturated():
+        part = error[here] / longest
+        result[here] /= math.sqrt(1.0 + float(part.dot(part)))
+    return result
+
+
+def _rows(
+    error: Vector, factors: tuple[Matrix, Vector, Matrix], bending: Bending
+) -> tuple[Matrix, Matrix]:
+    """Return R1 and R2 in the free directions, and the lost part of errors, shape (m, m)."""
     u, values, vt = factors
     size = len(values)
     squares, singular = values * values, SINGULAR * bending.level.scale
@@ -212,6 +245,7 @@ def _rows(error: Vector, factors: tuple[Matrix, Vector, Matrix], bending: Bendin
     lost = np.minimum(np.maximum((lost - _LATE) / (1.0 - _LATE), 0.0), 1.0)
     own = u[:, :size]
     beyond = error - own.dot((1.0 - lost) * own.T.dot(error))
+    kept = (own * (1.0 - lost)).dot(own.T)
     shape = bending.at(beyond)
     if not bending.level.curved:
         along = np.ones(len(vt))
@@ -224,5 +258,4 @@ def _rows(error: Vector, factors: tuple[Matrix, Vector, Matrix], bending: Bendin
     rest = need - squares - np.square(first.dot(directions.T)).sum(axis=0)
     left = lifted & (rest > 0.0)
     second = np.sqrt(rest[left])[:, None] * directions[left]
-    result: Matrix = np.concatenate((first, second))
-    return result
+    return np.concatenate((first, second)), np.eye(len(u)) - kept

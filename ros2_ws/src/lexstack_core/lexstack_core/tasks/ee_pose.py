@@ -40,7 +40,8 @@ class EePose:
         self._part = team.slices[robot]
         self._n = team.n
         self._parameters = parameters
-        self._curve = Curve(parameters.gain, (robot,), (self._part,), (1.0,))
+        limits = (parameters.max_linear, parameters.max_angular)
+        self._curve = Curve(parameters.gain, (robot,), (self._part,), (1.0,), limits)
 
     @classmethod
     def from_config(cls, team: Team, robot: int, parameters: dict[str, Any], where: str) -> EePose:

@@ -38,7 +38,8 @@ class EePosition:
         self._part = team.slices[robot]
         self._n = team.n
         self._parameters = parameters
-        self._curve = Curve(parameters.gain, (robot,), (self._part,), (1.0,))
+        limits = (parameters.max_linear,)
+        self._curve = Curve(parameters.gain, (robot,), (self._part,), (1.0,), limits)
 
     @classmethod
     def from_config(

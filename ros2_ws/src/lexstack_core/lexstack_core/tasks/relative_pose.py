@@ -69,7 +69,9 @@ class RelativePose:
         self._parts = team.slices[robot], team.slices[other]
         self._n = team.n
         self._parameters = parameters
-        self._curve = Curve(parameters.gain, self._robots, self._parts, (-1.0, 1.0))
+        limits = (parameters.max_linear, parameters.max_angular)
+        signs = (-1.0, 1.0)
+        self._curve = Curve(parameters.gain, self._robots, self._parts, signs, limits)
 
     @classmethod
     def from_config(
