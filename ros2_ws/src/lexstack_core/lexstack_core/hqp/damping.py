@@ -103,19 +103,27 @@ class Damper:
             limits: of the joints, in force.
             last: solution of the tick before, of this problem or another one; None: not known.
         """
+        groups = groups_of(problem, self._slices)
+        if not groups:
+            return Damped(problem, problem)
+        sides = _sides(kinematics.state.q_star, limits, self._dt)
+        rows = None if last is None else last.rows
+        irregular = []
+        for group in groups:
+            mine = group.levels(problem, rows)
+            if not all_regular(mine, None if sides is None else sides[group.columns]):
+                irregular.append((group, mine))
+        if not irregular:
+            return Damped(problem, problem)
+        sides = np.zeros(self._slices[-1].stop) if sides is None else sides
         try:
-            # What is no number ends in a factorisation that says so.
+            # What is no number ends in a factorisation that says so; numpy need not warn as well.
             with np.errstate(all="ignore"):
-                sides = _sides(kinematics.state.q_star, limits, self._dt)
-                rows = None if last is None else last.rows
                 levels = [list(level) for level in problem.levels]
                 lifted: list[Lifted] = []
-                for group in groups_of(problem, self._slices):
-                    mine = group.levels(problem, rows)
-                    here = sides[group.columns]
-                    if not all_regular(mine, here):
-                        above = Above.of_held(pressed(mine, here))
-                        lifted += self._lift(group, mine, above, kinematics, levels)
+                for group, mine in irregular:
+                    above = Above.of_held(pressed(mine, sides[group.columns]))
+                    lifted += self._lift(group, mine, above, kinematics, levels)
         except _ERRORS as error:
             return Damped(problem, problem, failure=f"no damping near singularities: {error}")
         if not lifted:
@@ -160,11 +168,17 @@ def _moved(task: LinearTask, more: Vector) -> LinearTask:
     return LinearTask.equality(task.name, task.matrix, target, task.curve)
 
 
-def _sides(position: Vector, limits: JointLimits, dt: float) -> Vector:
-    """Return +1 or -1 where a joint stands at its upper or lower position limit, shape (n,)."""
+def _sides(position: Vector, limits: JointLimits, dt: float) -> Vector | None:
+    """Return +1 or -1 where a joint stands at its upper or lower position limit, shape (n,).
+
+    None: no joint does.
+    """
     upper, lower = _margins(limits, dt)
-    sides: Vector = (position > upper).astype(float)
-    sides -= position < lower
+    above, below = position > upper, position < lower
+    if not (np.count_nonzero(above) or np.count_nonzero(below)):
+        return None
+    sides: Vector = above.astype(float)
+    sides -= below
     return sides
 
 

@@ -12,6 +12,8 @@ is tested: where that is positive definite for some mu, it is so in the null spa
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.linalg.lapack import dpotrf
 
@@ -22,16 +24,17 @@ _MET = 1e-8  # m or rad: a smaller error asks for nothing that could get out of 
 _STIFF = 1e4  # mu
 
 
-def all_regular(levels: list[GroupLevel], sides: Vector) -> bool:
+def all_regular(levels: list[GroupLevel], sides: Vector | None) -> bool:
     """Return whether ``lift`` adds no row to any of these levels; sometimes False if it would not.
 
     Args:
         levels: of one group, the highest first.
-        sides: not zero where a joint stands at a position limit: it may not be able to move.
+        sides: not zero where a joint stands at a position limit: it may not be able to move; None:
+            no joint does.
     """
     matrices = [level.matrix for level in levels]
     rows = matrices[0] if len(matrices) == 1 else np.concatenate(matrices)
-    if np.count_nonzero(sides):
+    if sides is not None and np.count_nonzero(sides):
         rows = rows[:, sides == 0.0]
     gram: Matrix = rows.dot(rows.T)
     end = 0
@@ -41,7 +44,7 @@ def all_regular(levels: list[GroupLevel], sides: Vector) -> bool:
         if threshold == 0.0 or start == end:
             continue
         if end <= rows.shape[1]:
-            tested = gram[:end, :end].copy()
+            tested = gram[:end, :end].copy()  # the one after it needs the diagonal as it was
             tested.reshape(-1)[start * (end + 1) :: end + 1] -= threshold
         elif level.curved:
             return False
@@ -61,11 +64,11 @@ def _threshold(level: GroupLevel, gram: Matrix, joints: int) -> float:
     A level of curved tasks alone has |B(e)| <= 2 |e| |J_v| |J_w| <= |e| (|J|^2 + joints), and gets
     no row where its smallest squared singular value is above that.
     """
-    size = float(np.sqrt(level.error.dot(level.error))) / level.scale
+    size = math.sqrt(float(level.error.dot(level.error))) / level.scale
     if size <= _MET:
         return 0.0
     squared = (SINGULAR * level.scale) ** 2
-    if not level.curved or level.nested:
+    if not level.curved or level.nested or size * joints >= SINGULAR * SINGULAR:
         return squared
     most = size * (float(gram.trace()) + joints * level.scale**2)
     return min(squared, most)
