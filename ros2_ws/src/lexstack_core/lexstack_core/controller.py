@@ -8,7 +8,17 @@ from time import perf_counter
 import numpy as np
 
 from lexstack_core.bounds import Bounds, JointLimits, target_bounds
-from lexstack_core.hqp import Damper, HqpProblem, HqpSolver, Lifted, Solution, blocked, describe, refusal
+from lexstack_core.hqp import (
+    Damper,
+    HqpProblem,
+    HqpSolver,
+    Lifted,
+    Solution,
+    blocked,
+    describe,
+    near_singularity,
+    refusal,
+)
 from lexstack_core.in_force import BoxLaw
 from lexstack_core.linear import Vector
 from lexstack_core.model import Kinematics, Team
@@ -17,6 +27,7 @@ from lexstack_core.state import RobotState
 from lexstack_core.transition.machine import Transition
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.status import TransitionState
+from lexstack_core.transition.telling import with_damping
 
 _TOUCH = 1e-9  # m/s, rad/s: nearer than this chi is at its bound
 
@@ -50,6 +61,13 @@ class Command:
     solve_time: float
     damped: tuple[Lifted, ...] = ()
     undamped: str = ""
+
+    @property
+    def near_singularity(self) -> str:
+        """Which levels are damped, in one line, or why they could not be; empty: all is regular."""
+        if self.undamped:
+            return self.undamped
+        return near_singularity(self.damped)
 
     @property
     def transition(self) -> TransitionState:
@@ -118,7 +136,7 @@ class Controller:
             bounds,
             solution.slacks,
             fallback,
-            told,
+            tuple([with_damping(state, solution.damped) for state in told]),
             perf_counter() - begun,
             solution.damped,
             solution.undamped,

@@ -8,12 +8,14 @@ from lexstack_core.hqp.daqp_cascade import DaqpCascade
 from lexstack_core.hqp.fallback import FallbackSolver, refusal
 from lexstack_core.hqp.oracle import OracleSolver
 from lexstack_core.hqp.problem import (
+    NEAR,
     HqpProblem,
     HqpSolver,
     Lifted,
     Solution,
     SolverFactory,
     Status,
+    near_singularity,
 )
 from lexstack_core.hqp.proxqp_cascade import ProxqpCascade
 from lexstack_core.hqp.quadprog_cascade import QuadprogCascade
@@ -47,6 +49,7 @@ def make_solver(name: str = DEFAULT_SOLVER) -> HqpSolver:
 
 __all__ = [
     "DEFAULT_SOLVER",
+    "NEAR",
     "SOLVERS",
     "Blocked",
     "ClusteredSolver",
@@ -63,5 +66,6 @@ __all__ = [
     "blocked",
     "describe",
     "make_solver",
+    "near_singularity",
     "refusal",
 ]

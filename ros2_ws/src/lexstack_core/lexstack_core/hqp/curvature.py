@@ -22,7 +22,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from lexstack_core.linear import Curve, LinearTask, Matrix, Vector
+from lexstack_core.linear import LinearTask, Matrix, Vector
 from lexstack_core.model import Kinematics
 
 
@@ -68,11 +68,6 @@ def chain_curvature(linear: Matrix, axes: Matrix, forces: Vector) -> Matrix:
     result: Matrix = products * upper
     result += (products * strictly).T
     return result
-
-
-def is_curved(curve: Curve) -> bool:
-    """Return whether a task's rows turn while its robots move."""
-    return bool(curve.signs)
 
 
 @lru_cache(maxsize=64)

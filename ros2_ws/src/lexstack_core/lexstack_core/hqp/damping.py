@@ -14,7 +14,7 @@ from lexstack_core.hqp.lift import Above, GroupLevel, lift, pressed
 from lexstack_core.hqp.problem import HqpProblem, Lifted, Solution
 from lexstack_core.hqp.regular import all_regular
 from lexstack_core.hqp.rows import Mask, Signs
-from lexstack_core.linear import LinearTask, Matrix, Vector
+from lexstack_core.linear import LinearTask, Vector
 from lexstack_core.model import Kinematics, Team
 
 _AT_LIMIT = 0.03  # of the velocity limit: slower towards its position limit, a joint stands there

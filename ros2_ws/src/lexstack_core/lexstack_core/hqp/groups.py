@@ -55,7 +55,7 @@ class Group:
                 matrix = np.concatenate([one for one, _ in parts])
                 error = np.concatenate([one for _, one in parts])
             curves = [task.curve for task in tasks if task.curve is not None]
-            curved = any([bool(curve.signs) for curve in curves])
+            curved = any(curve.signs for curve in curves)
             scale = max([curve.scale for curve in curves], default=1.0)
             found.append(GroupLevel(tasks, matrix, error, scale, curved, nested, tuple(starts)))
             nested = nested or curved
@@ -84,7 +84,7 @@ def groups_of(problem: HqpProblem, slices: Slices) -> tuple[Group, ...]:
     """
     depth = 0
     for k, level in enumerate(problem.levels, start=1):
-        if any([task.curve is not None for task in level]):
+        if any(task.curve is not None for task in level):
             depth = k
     coupled = tuple(
         [tuple([_robots(task, slices) for task in level]) for level in problem.levels[:depth]]
@@ -96,8 +96,10 @@ def _robots(task: LinearTask, slices: Slices) -> Robots:
     """Return the robots that a task's rows move."""
     if task.curve is not None:
         return task.curve.robots
-    moved = task.matrix.any(axis=0)
-    return tuple([i for i, part in enumerate(slices) if moved[part].any()])
+    moved = np.flatnonzero(task.matrix.any(axis=0))
+    return tuple(
+        [i for i, part in enumerate(slices) if np.any((moved >= part.start) & (moved < part.stop))]
+    )
 
 
 def _held(task: LinearTask, rank: int, problem: HqpProblem, rows: Signs | None) -> np.ndarray:

@@ -95,7 +95,6 @@ class Above:
         unit = np.eye(held.size)
         return cls(unit[:, ~held], [unit[held]])
 
-
     def add(self, level: GroupLevel, lifts: Matrix, null: Matrix) -> None:
         """Take a level up, with the rows that were added to it and the freedom that it leaves."""
         if level.curved:

@@ -56,6 +56,15 @@ class Lifted:
         return f"level {self.level}: {self.tasks} (sigma {self.sigma:.2g})"
 
 
+NEAR = "near a singularity"
+"""How the line about damped levels begins."""
+
+
+def near_singularity(damped: tuple[Lifted, ...]) -> str:
+    """Return which levels are damped, in one line; empty where none is."""
+    return f"{NEAR}: {', '.join(map(str, damped))}" if damped else ""
+
+
 def _no_rows() -> NDArray[np.int8]:
     """Return the states of no rows."""
     return np.empty(0, dtype=np.int8)

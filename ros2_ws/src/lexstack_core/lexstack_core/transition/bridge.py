@@ -63,8 +63,7 @@ def bridged(
     first = level
     if bridge.epsilon is not None:
         first = tuple(
-            _moved_by(task, rest * gap)
-            for task, gap in zip(level, bridge.epsilon, strict=True)
+            _moved_by(task, rest * gap) for task, gap in zip(level, bridge.epsilon, strict=True)
         )
     target = source + rest * bridge.delta
     if bridge.carried is not None:

@@ -90,9 +90,7 @@ def out_of_reach(kind: str, rng: np.random.Generator, team: Team, home: Vector) 
     return _case(kind, beyond, rng, team, home)
 
 
-def _case(
-    kind: str, beyond: float, rng: np.random.Generator, team: Team, home: Vector
-) -> Case:
+def _case(kind: str, beyond: float, rng: np.random.Generator, team: Team, home: Vector) -> Case:
     """Return a case with targets at a distance from the boundary of what can be reached."""
     tools, bases = [], []
     count = 2 if kind in _BOTH else 1
