@@ -154,7 +154,7 @@ class Controller:
         What is latched and told is about the problem's own rows: damping is added here, and nobody
         else sees it.
         """
-        damped = self._damper.damped(problem, kinematics, limits, self._warm)
+        damped = self._damper.damped(problem, kinematics, limits)
         return damped.own(self._solver.solve(damped.problem, damped.warm(warm)))
 
     def obstructed(self) -> str:

@@ -84,7 +84,7 @@ class StackSolver:
         last = self._warm.pop(key, None)
         limits = known.limits or self._team.limits
         given = HqpProblem(levels, bounds)
-        damped = self._damper.damped(given, kinematics, limits, last)
+        damped = self._damper.damped(given, kinematics, limits)
         solution = self._solved(damped, part, last)
         if solution.solved:
             self._warm[key] = solution

@@ -12,7 +12,7 @@ from lexstack_core.bounds import JointLimits
 from lexstack_core.hqp.groups import Group, groups_of
 from lexstack_core.hqp.lift import Above, GroupLevel, lift, pressed
 from lexstack_core.hqp.problem import HqpProblem, Lifted, Solution
-from lexstack_core.hqp.regular import all_regular
+from lexstack_core.hqp.regular import regular_levels
 from lexstack_core.hqp.rows import Mask, Signs
 from lexstack_core.linear import LinearTask, Vector
 from lexstack_core.model import Kinematics, Team
@@ -91,7 +91,6 @@ class Damper:
         problem: HqpProblem,
         kinematics: Kinematics,
         limits: JointLimits,
-        last: Solution | None = None,
     ) -> Damped:
         """Return a problem with the rows of ``lift``; the same one where all levels are regular.
 
@@ -101,18 +100,17 @@ class Damper:
             problem: about to be solved, over all joints of the team.
             kinematics: of this tick.
             limits: of the joints, in force.
-            last: solution of the tick before, of this problem or another one; None: not known.
         """
         groups = groups_of(problem, self._slices)
         if not groups:
             return Damped(problem, problem)
         sides = _sides(kinematics.state.q_star, limits, self._dt)
-        rows = None if last is None else last.rows
         irregular = []
         for group in groups:
-            mine = group.levels(problem, rows)
-            if not all_regular(mine, None if sides is None else sides[group.columns]):
-                irregular.append((group, mine))
+            mine = group.levels(problem)
+            regular = regular_levels(mine, None if sides is None else sides[group.columns])
+            if regular < len(mine):
+                irregular.append((group, mine, regular))
         if not irregular:
             return Damped(problem, problem)
         sides = np.zeros(self._slices[-1].stop) if sides is None else sides
@@ -121,9 +119,11 @@ class Damper:
             with np.errstate(all="ignore"):
                 levels = [list(level) for level in problem.levels]
                 lifted: list[Lifted] = []
-                for group, mine in irregular:
+                for group, mine, regular in irregular:
                     above = Above.of_held(pressed(mine, sides[group.columns]))
-                    lifted += self._lift(group, mine, above, kinematics, levels)
+                    for level in mine[:regular]:
+                        above.take(level)
+                    lifted += self._lift((group, mine, regular), above, kinematics, levels)
         except _ERRORS as error:
             return Damped(problem, problem, failure=f"no damping near singularities: {error}")
         if not lifted:
@@ -134,15 +134,23 @@ class Damper:
 
     def _lift(
         self,
-        group: Group,
-        mine: list[GroupLevel],
+        share: tuple[Group, list[GroupLevel], int],
         above: Above,
         kinematics: Kinematics,
         levels: list[list[LinearTask]],
     ) -> list[Lifted]:
-        """Change ``levels`` as far as they concern one group; return where that was needed."""
+        """Change ``levels`` as far as they concern one group; return where that was needed.
+
+        Args:
+            share: the group, its share of each level, and how many of these are regular.
+            above: what the regular ones leave.
+            kinematics: of this tick.
+            levels: of the problem.
+        """
         lifted = []
-        for k, places, level in zip(group.ranks, group.tasks, mine, strict=True):
+        group, mine, regular = share
+        triples = list(zip(group.ranks, group.tasks, mine, strict=True))
+        for k, places, level in triples[regular:]:
             rows, more, least = lift(level, above, kinematics, group.places)
             if not len(rows):
                 continue

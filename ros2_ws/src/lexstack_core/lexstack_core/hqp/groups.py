@@ -9,7 +9,7 @@ import numpy as np
 
 from lexstack_core.hqp.lift import GroupLevel
 from lexstack_core.hqp.problem import HqpProblem
-from lexstack_core.hqp.rows import Indices, Signs
+from lexstack_core.hqp.rows import Indices, Mask
 from lexstack_core.linear import LinearTask, Matrix, Vector
 
 Robots = tuple[int, ...]
@@ -34,19 +34,17 @@ class Group:
     ranks: tuple[int, ...]
     tasks: tuple[tuple[int, ...], ...]
 
-    def levels(self, problem: HqpProblem, rows: Signs | None) -> list[GroupLevel]:
-        """Return the group's share of a problem.
+    def levels(self, problem: HqpProblem) -> list[GroupLevel]:
+        """Return the group's share of a problem, its equality objectives.
 
-        Args:
-            problem: of these tasks.
-            rows: which inequality rows held at the last solution; it may be of another problem.
+        Inequality rows do not count: what they take away is no singularity of the robots.
         """
         found: list[GroupLevel] = []
         nested = False
         for k, chosen in zip(self.ranks, self.tasks, strict=True):
             level = problem.levels[k]
             tasks = tuple([level[place] for place in chosen])
-            parts = [self._rows(task, k, problem, rows) for task in tasks]
+            parts = [self._rows(task) for task in tasks]
             matrix, error = parts[0]
             starts = [0]
             for one, _ in parts[:-1]:
@@ -61,17 +59,14 @@ class Group:
             nested = nested or curved
         return found
 
-    def _rows(
-        self, task: LinearTask, rank: int, problem: HqpProblem, rows: Signs | None
-    ) -> tuple[Matrix, Vector]:
+    def _rows(self, task: LinearTask) -> tuple[Matrix, Vector]:
         """Return a task's rows that ask for something, on the group's joints, and their errors."""
         matrix = task.matrix[:, self.columns]
         if task.curve is not None:
             return matrix, task.lower / task.curve.gain
-        asking = task.lower == task.upper
-        if not asking.all():
-            asking |= _held(task, rank, problem, rows)
-        asking &= matrix.any(axis=1)
+        asking = _asking(task)
+        if asking is None:
+            return matrix[:0], np.zeros(0)
         return matrix[asking], np.zeros(int(np.count_nonzero(asking)))
 
 
@@ -93,26 +88,24 @@ def groups_of(problem: HqpProblem, slices: Slices) -> tuple[Group, ...]:
 
 
 def _robots(task: LinearTask, slices: Slices) -> Robots:
-    """Return the robots that a task's rows move."""
+    """Return the robots that a task's equality objectives move."""
     if task.curve is not None:
         return task.curve.robots
-    moved = np.flatnonzero(task.matrix.any(axis=0))
-    return tuple(
-        [i for i, part in enumerate(slices) if np.any((moved >= part.start) & (moved < part.stop))]
-    )
+    asking = _asking(task)
+    if asking is None:
+        return ()
+    moved = np.flatnonzero(task.matrix[asking].any(axis=0))
+    ends = [part.stop for part in slices]
+    return tuple(np.unique(np.searchsorted(ends, moved, side="right")).tolist())
 
 
-def _held(task: LinearTask, rank: int, problem: HqpProblem, rows: Signs | None) -> np.ndarray:
-    """Return which inequality rows of a task held at the last solution, as far as is known."""
-    nothing = np.zeros(task.lower.size, dtype=np.bool_)
-    if rows is None or rows.size != sum([t.lower.size for level in problem.levels for t in level]):
-        return nothing
-    start = sum([t.lower.size for level in problem.levels[:rank] for t in level])
-    for other in problem.levels[rank]:
-        if other is task:
-            return np.asarray(rows[start : start + task.lower.size] != 0)
-        start += other.lower.size
-    return nothing
+def _asking(task: LinearTask) -> Mask | None:
+    """Return which rows of a task without a curve are equality objectives; None: none is."""
+    if task.upper is task.lower:
+        asking = task.matrix.any(axis=1)
+    else:
+        asking = (task.lower == task.upper) & task.matrix.any(axis=1)
+    return np.asarray(asking) if asking.any() else None
 
 
 @lru_cache(maxsize=64)

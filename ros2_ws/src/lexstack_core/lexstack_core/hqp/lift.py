@@ -30,6 +30,7 @@ import numpy as np
 from scipy.linalg.lapack import dposv
 
 from lexstack_core.hqp.curvature import add_curvature
+from lexstack_core.hqp.factor import factorise
 from lexstack_core.hqp.rows import Mask
 from lexstack_core.linear import LinearTask, Matrix, Vector
 from lexstack_core.model import Kinematics
@@ -50,7 +51,7 @@ class GroupLevel:
 
     Attributes:
         tasks: with rows on these robots.
-        matrix: the equality rows, and the inequality rows that hold, shape (m, r).
+        matrix: the equality rows, shape (m, r).
         error: e of each row, 0 where a row asks for something else, shape (m,).
         scale: the largest root of a weight among the tasks.
         curved: whether a task of it is curved.
@@ -94,6 +95,13 @@ class Above:
         """Return it above the first level, with some joints held; a mask of shape (r,)."""
         unit = np.eye(held.size)
         return cls(unit[:, ~held], [unit[held]])
+
+    def take(self, level: GroupLevel) -> None:
+        """Take a level up to which nothing was added."""
+        reduced = level.matrix.dot(self.free)
+        norm = float(np.linalg.norm(level.matrix))
+        null = factorise(reduced, _RANK * (norm or 1.0)).null
+        self.add(level, np.empty((0, len(self.free))), null)
 
     def add(self, level: GroupLevel, lifts: Matrix, null: Matrix) -> None:
         """Take a level up, with the rows that were added to it and the freedom that it leaves."""
@@ -239,6 +247,8 @@ def _rows(
     need = np.einsum("ij,jk,ik->i", directions, bending.at(error), directions)
     need = np.maximum(need, 0.0) * np.maximum(1.0 - squares / singular**2, 0.0)
     lifted = need > squares
+    if not lifted.any() and (size == len(u) or not bending.level.curved):
+        return np.empty((0, len(vt))), np.zeros((0, 0))
     lost = np.zeros(size)
     lost[lifted] = 1.0 - squares[lifted] / need[lifted]
     lost = np.minimum(np.maximum((lost - _LATE) / (1.0 - _LATE), 0.0), 1.0)

@@ -24,8 +24,8 @@ _MET = 1e-8  # m or rad: a smaller error asks for nothing that could get out of 
 _STIFF = 1e4  # mu
 
 
-def all_regular(levels: list[GroupLevel], sides: Vector | None) -> bool:
-    """Return whether ``lift`` adds no row to any of these levels; sometimes False if it would not.
+def regular_levels(levels: list[GroupLevel], sides: Vector | None) -> int:
+    """Return to how many levels, from the first on, ``lift`` adds no row; or fewer than that.
 
     Args:
         levels: of one group, the highest first.
@@ -38,7 +38,7 @@ def all_regular(levels: list[GroupLevel], sides: Vector | None) -> bool:
         rows = rows[:, sides == 0.0]
     gram: Matrix = rows.dot(rows.T)
     end = 0
-    for level in levels:
+    for place, level in enumerate(levels):
         start, end = end, end + len(level.matrix)
         threshold = _threshold(level, gram[start:end, start:end], rows.shape[1])
         if threshold == 0.0 or start == end:
@@ -47,15 +47,15 @@ def all_regular(levels: list[GroupLevel], sides: Vector | None) -> bool:
             tested = gram[:end, :end].copy()  # the one after it needs the diagonal as it was
             tested.reshape(-1)[start * (end + 1) :: end + 1] -= threshold
         elif level.curved:
-            return False
+            return place
         else:
             own, above = rows[start:end], rows[:start]
             tested = own.T.dot(own)
             tested += _STIFF * above.T.dot(above)
             tested.reshape(-1)[:: len(tested) + 1] -= threshold
         if dpotrf(tested, 1, 0, 1)[1] != 0:
-            return False
-    return True
+            return place
+    return len(levels)
 
 
 def _threshold(level: GroupLevel, gram: Matrix, joints: int) -> float:
