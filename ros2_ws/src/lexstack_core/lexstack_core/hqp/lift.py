@@ -245,6 +245,10 @@ def _rows(
     squares, singular = values * values, SINGULAR * bending.level.scale
     directions = vt[:size]
     need = np.einsum("ij,jk,ik->i", directions, bending.at(error), directions)
+    if bending.level.curved:
+        # What the level asks for now may be at rest where the error as it is would not.
+        asked = bending.at(bending.level.error)
+        need = np.maximum(need, np.einsum("ij,jk,ik->i", directions, asked, directions))
     need = np.maximum(need, 0.0) * np.maximum(1.0 - squares / singular**2, 0.0)
     lifted = need > squares
     if not lifted.any() and (size == len(u) or not bending.level.curved):
