@@ -16,7 +16,7 @@ from lexstack_bag.relations import PerRobot, relations_of
 from lexstack_bag.run import Integers, Run, SolveStatus
 from lexstack_bag.sequences import SequenceMetrics, ratio_of, sequences_of
 from lexstack_bag.settling import settled_after
-from lexstack_core.hqp import NEAR
+from lexstack_core.hqp import DAMPED, NEAR
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
 
@@ -144,8 +144,9 @@ def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetri
 
 def _damped(run: Run, ticks: NDArray[np.bool_]) -> float:
     """Return in which share of some of the command's ticks a level was damped, as A says."""
-    near = np.array([str(reason).startswith(NEAR) for reason in run.chi[COMMANDER].reason[ticks]])
-    return float(near.mean()) if near.size else 0.0
+    reasons = [str(reason) for reason in run.chi[COMMANDER].reason[ticks]]
+    damped = sum(reason.startswith(NEAR) and DAMPED in reason for reason in reasons)
+    return damped / len(reasons) if reasons else 0.0
 
 
 def _empty_bounds(run: Run) -> int:

@@ -12,7 +12,7 @@ from lexstack_core.hqp import (
     Damper,
     HqpProblem,
     HqpSolver,
-    Lifted,
+    NearSingular,
     Solution,
     blocked,
     describe,
@@ -27,7 +27,7 @@ from lexstack_core.state import RobotState
 from lexstack_core.transition.machine import Transition
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.status import TransitionState
-from lexstack_core.transition.telling import with_damping
+from lexstack_core.transition.telling import with_singularity
 
 _TOUCH = 1e-9  # m/s, rad/s: nearer than this chi is at its bound
 
@@ -46,7 +46,7 @@ class Command:
         fallback: empty, or why it is not the configured solver's: another one's, or A brakes.
         transitions: where the transition of each channel stands, in the order of their robots.
         solve_time: wall time of the whole tick [s].
-        damped: the levels near a singularity, which are not strict at this tick.
+        near: the levels near a singularity; those with added rows are not strict at this tick.
         undamped: empty, or why damping could not be worked out.
     """
 
@@ -59,15 +59,15 @@ class Command:
     fallback: str
     transitions: tuple[TransitionState, ...]
     solve_time: float
-    damped: tuple[Lifted, ...] = ()
+    near: tuple[NearSingular, ...] = ()
     undamped: str = ""
 
     @property
     def near_singularity(self) -> str:
-        """Which levels are damped, in one line, or why they could not be; empty: all is regular."""
+        """Which levels are near one, or why none could be damped; empty: all is regular."""
         if self.undamped:
             return self.undamped
-        return near_singularity(self.damped)
+        return near_singularity(self.near)
 
     @property
     def transition(self) -> TransitionState:
@@ -136,9 +136,9 @@ class Controller:
             bounds,
             solution.slacks,
             fallback,
-            tuple([with_damping(state, solution.damped) for state in told]),
+            tuple([with_singularity(state, solution.near) for state in told]),
             perf_counter() - begun,
-            solution.damped,
+            solution.near,
             solution.undamped,
         )
 

@@ -8,10 +8,11 @@ from lexstack_core.hqp.daqp_cascade import DaqpCascade
 from lexstack_core.hqp.fallback import FallbackSolver, refusal
 from lexstack_core.hqp.oracle import OracleSolver
 from lexstack_core.hqp.problem import (
+    DAMPED,
     NEAR,
     HqpProblem,
     HqpSolver,
-    Lifted,
+    NearSingular,
     Solution,
     SolverFactory,
     Status,
@@ -48,6 +49,7 @@ def make_solver(name: str = DEFAULT_SOLVER) -> HqpSolver:
 
 
 __all__ = [
+    "DAMPED",
     "DEFAULT_SOLVER",
     "NEAR",
     "SOLVERS",
@@ -58,7 +60,7 @@ __all__ = [
     "FallbackSolver",
     "HqpProblem",
     "HqpSolver",
-    "Lifted",
+    "NearSingular",
     "Obstacle",
     "Solution",
     "SolverFactory",

@@ -11,13 +11,14 @@ import numpy as np
 from lexstack_core.bounds import JointLimits
 from lexstack_core.hqp.groups import Group, groups_of
 from lexstack_core.hqp.lift import Above, GroupLevel, lift, pressed
-from lexstack_core.hqp.problem import HqpProblem, Lifted, Solution
+from lexstack_core.hqp.problem import HqpProblem, NearSingular, Solution
 from lexstack_core.hqp.regular import regular_levels
 from lexstack_core.hqp.rows import Mask, Signs
 from lexstack_core.linear import LinearTask, Vector
 from lexstack_core.model import Kinematics, Team
 
 _AT_LIMIT = 0.03  # of the velocity limit: slower towards its position limit, a joint stands there
+_TOLD = 0.02  # the least singular value below which a level is told of, damped or not
 _ERRORS = (ArithmeticError, ValueError)  # numpy's LinAlgError is a ValueError
 
 
@@ -28,13 +29,13 @@ class Damped:
     Attributes:
         given: as it was asked for.
         problem: with the rows that were added; the very same one where there are none.
-        lifted: to which levels rows were added.
+        near: the levels near a singularity, with and without added rows.
         failure: why none could be found, else empty: then the problem is solved as it was given.
     """
 
     given: HqpProblem
     problem: HqpProblem
-    lifted: tuple[Lifted, ...] = ()
+    near: tuple[NearSingular, ...] = ()
     failure: str = ""
 
     def warm(self, last: Solution | None) -> Solution | None:
@@ -57,7 +58,7 @@ class Damped:
         if self.failure:
             return replace(solution, undamped=self.failure)
         if self.problem is self.given:
-            return solution
+            return replace(solution, near=self.near) if self.near else solution
         residuals = [
             np.concatenate([task.residual(solution.chi) for task in level])
             for level in self.given.levels
@@ -66,7 +67,7 @@ class Damped:
         rows = solution.rows[self._own()] if solution.rows.size else solution.rows
         for array in (slacks, rows):
             array.setflags(write=False)
-        return replace(solution, slacks=slacks, rows=rows, damped=self.lifted)
+        return replace(solution, slacks=slacks, rows=rows, near=self.near)
 
     def _own(self) -> Mask:
         """Return which rows of ``problem`` are those of the given one."""
@@ -118,19 +119,19 @@ class Damper:
             # What is no number ends in a factorisation that says so; numpy need not warn as well.
             with np.errstate(all="ignore"):
                 levels = [list(level) for level in problem.levels]
-                lifted: list[Lifted] = []
+                near: list[NearSingular] = []
                 for group, mine, regular in irregular:
                     above = Above.of_held(pressed(mine, sides[group.columns]))
                     for level in mine[:regular]:
                         above.take(level)
-                    lifted += self._lift((group, mine, regular), above, kinematics, levels)
+                    near += self._lift((group, mine, regular), above, kinematics, levels)
         except _ERRORS as error:
             return Damped(problem, problem, failure=f"no damping near singularities: {error}")
-        if not lifted:
-            return Damped(problem, problem)
-        lifted.sort(key=lambda entry: entry.level)
+        near.sort(key=lambda entry: entry.level)
+        if not any(entry.rows for entry in near):
+            return Damped(problem, problem, tuple(near))
         extended = tuple([tuple(level) for level in levels])
-        return Damped(problem, HqpProblem(extended, problem.bounds), tuple(lifted))
+        return Damped(problem, HqpProblem(extended, problem.bounds), tuple(near))
 
     def _lift(
         self,
@@ -138,8 +139,8 @@ class Damper:
         above: Above,
         kinematics: Kinematics,
         levels: list[list[LinearTask]],
-    ) -> list[Lifted]:
-        """Change ``levels`` as far as they concern one group; return where that was needed.
+    ) -> list[NearSingular]:
+        """Change ``levels`` as far as they concern one group; return which are near singular.
 
         Args:
             share: the group, its share of each level, and how many of these are regular.
@@ -147,11 +148,14 @@ class Damper:
             kinematics: of this tick.
             levels: of the problem.
         """
-        lifted = []
+        near = []
         group, mine, regular = share
         triples = list(zip(group.ranks, group.tasks, mine, strict=True))
         for k, places, level in triples[regular:]:
             rows, more, least = lift(level, above, kinematics, group.places)
+            names = " + ".join([task.name for task in level.tasks])
+            if len(rows) or least < _TOLD:
+                near.append(NearSingular(k, names, least, len(rows)))
             if not len(rows):
                 continue
             if not math.isfinite(float(np.square(rows).sum()) + float(more.dot(more))):
@@ -161,11 +165,9 @@ class Damper:
                     levels[k][place] = _moved(levels[k][place], more[start:])
             matrix = np.zeros((len(rows), self._slices[-1].stop))
             matrix[:, group.columns] = rows
-            names = " + ".join([task.name for task in level.tasks])
             added = LinearTask.equality(f"{names}: damping", matrix, np.zeros(len(rows)))
             levels[k].append(added)
-            lifted.append(Lifted(k, names, least))
-        return lifted
+        return near
 
 
 def _moved(task: LinearTask, more: Vector) -> LinearTask:

@@ -36,33 +36,39 @@ class Status(Enum):
     FAILED = "failed"
 
 
+NEAR = "near a singularity"
+"""How the line about levels near a singularity begins."""
+
+DAMPED = "damped"
+"""What it says of those that are not strict."""
+
+
 @dataclass(frozen=True, slots=True)
-class Lifted:
-    """A level near a singularity, to which rows were added.
+class NearSingular:
+    """A level near a singularity.
 
     Attributes:
         level: index 0 is the highest.
         tasks: names of its tasks, of the robots concerned.
         sigma: the least singular value of its rows in the directions that the levels above leave
             free, in the unit of the rows; 0 where it has more rows than such directions.
+        rows: how many were added to it: with any, the level is not strict; see ``lift``.
     """
 
     level: int
     tasks: str
     sigma: float
+    rows: int
 
     def __str__(self) -> str:
         """Return it in words."""
-        return f"level {self.level}: {self.tasks} (sigma {self.sigma:.2g})"
+        damped = f", {DAMPED}" if self.rows else ""
+        return f"level {self.level}: {self.tasks} (sigma {self.sigma:.2g}{damped})"
 
 
-NEAR = "near a singularity"
-"""How the line about damped levels begins."""
-
-
-def near_singularity(damped: tuple[Lifted, ...]) -> str:
-    """Return which levels are damped, in one line; empty where none is."""
-    return f"{NEAR}: {', '.join(map(str, damped))}" if damped else ""
+def near_singularity(near: tuple[NearSingular, ...]) -> str:
+    """Return which levels are near a singularity, in one line; empty where none is."""
+    return f"{NEAR}: {', '.join(map(str, near))}" if near else ""
 
 
 def _no_rows() -> NDArray[np.int8]:
@@ -85,7 +91,8 @@ class Solution:
         rows: -1, 0 or +1 per row of all levels, in their order: the end at which, or beyond
             which, an inequality row is; 0 for equality rows; shape (M,). It may be empty.
         note: empty, or which solvers failed before another one solved the problem.
-        damped: levels near a singularity, which gave up strictness to come to rest; see ``lift``.
+        near: the levels near a singularity; those with added rows gave up strictness to come to
+            rest. All others are strict.
         undamped: empty, or why damping could not be worked out, so that there is none.
     """
 
@@ -97,7 +104,7 @@ class Solution:
     solve_time: float
     rows: NDArray[np.int8] = field(default_factory=_no_rows)
     note: str = ""
-    damped: tuple[Lifted, ...] = ()
+    near: tuple[NearSingular, ...] = ()
     undamped: str = ""
 
     @property

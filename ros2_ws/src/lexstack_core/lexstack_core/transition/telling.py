@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lexstack_core.hqp import NEAR, Lifted
+from lexstack_core.hqp import NEAR, NearSingular
 from lexstack_core.linear import Vector
 from lexstack_core.transition.channel import Channel
 from lexstack_core.transition.plan import Plan
@@ -14,18 +14,18 @@ from lexstack_core.transition.request import SwitchRequest
 from lexstack_core.transition.status import Phase, Source, TransitionState
 
 
-def with_damping(state: TransitionState, damped: tuple[Lifted, ...]) -> TransitionState:
-    """Return the state of a channel that serves its stack, with the tasks that are damped.
+def with_singularity(state: TransitionState, near: tuple[NearSingular, ...]) -> TransitionState:
+    """Return the state of a channel that serves its stack, with its levels near a singularity.
 
     In the reason, where there is no other one. Without the singular values, which change from tick
     to tick: a reason that stays the same is told once.
     """
-    if not damped or state.phase is not Phase.IDLE or state.reason:
+    if not near or state.phase is not Phase.IDLE or state.reason:
         return state
     mine = tuple([f"{name}/" for name in state.robots])
     tasks = [
         f"level {entry.level}: {entry.tasks}"
-        for entry in damped
+        for entry in near
         if any(task.startswith(mine) for task in entry.tasks.split(" + "))
     ]
     return replace(state, reason=f"{NEAR}: {', '.join(tasks)}") if tasks else state

@@ -143,7 +143,7 @@ class HqpControllerNode(Node):
         self._meter.add(command.solve_time)
         near = command.near_singularity
         if near:
-            self._damped += 1
+            self._damped += any(level.rows for level in command.near)
             self._near = near
             self.get_logger().warning(near, throttle_duration_sec=10.0)
         if command.fallback:

@@ -117,7 +117,7 @@ class StackSolverNode(Node):
         chi.slacks = to_array(solution.slacks)
         usable = solution.solved and bool(np.isfinite(solution.chi).all())
         chi.status = Chi.SOLVED if usable else Chi.FAILED
-        chi.reason = solution.reason or solution.undamped or near_singularity(solution.damped)
+        chi.reason = solution.reason or solution.undamped or near_singularity(solution.near)
         chi.empty_bounds = bounds.empty
         chi.solve_time = solve_time
         self._meter.add(solve_time)
