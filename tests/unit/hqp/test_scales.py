@@ -62,9 +62,7 @@ CASES = {
         [1, -2],
     ),
     "a large equality above a large inequality": (
-        problem(
-            [[to(-256, 256, -384, -384)], [row(0, 0, 256, lower=384)]], [-INF] * 3, [0, 0, 1]
-        ),
+        problem([[to(-256, 256, -384, -384)], [row(0, 0, 256, lower=384)]], [-INF] * 3, [0, 0, 1]),
         [0, -1 / 3, 1],
     ),
     "large rows above small ones": (

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lexstack_bag.measures import COMMANDER, Measures
 from lexstack_bag.phases import BASE_TASKS, EE_TASKS, Phase, tasks_of
@@ -15,6 +16,7 @@ from lexstack_bag.relations import PerRobot, relations_of
 from lexstack_bag.run import Integers, Run, SolveStatus
 from lexstack_bag.sequences import SequenceMetrics, ratio_of, sequences_of
 from lexstack_bag.settling import settled_after
+from lexstack_core.hqp import DAMPED, NEAR
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
 
@@ -41,6 +43,7 @@ class PhaseMetrics:
     relative_peak_error_mm: PerRobot | None = None
     relative_peak_error_mrad: PerRobot | None = None
     obstacle_distance_mm: PerRobot | None = None  # least, of the spheres; None without obstacles
+    damped_share: float = 0.0  # of the command's ticks, with a level damped near a singularity
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +67,7 @@ class Metrics:
     recorder_lost: int
     sequences: tuple[SequenceMetrics, ...] = ()
     st_over_ht: float | None = None  # time of ST-Arch over that of HT-Arch, where both are there
+    damped_share: float = 0.0  # of the command's ticks, with a level damped near a singularity
 
     def to_json(self) -> str:
         """Return the text of ``metrics.json``; it never holds NaN."""
@@ -104,6 +108,7 @@ def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> 
         recorder_lost=run.lost,
         sequences=sequences,
         st_over_ht=ratio_of(sequences),
+        damped_share=_damped(run, np.ones(len(command.tick), dtype=np.bool_)),
     )
 
 
@@ -132,8 +137,16 @@ def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetri
         peak_acceleration_ratio=_peak(
             measures.acceleration_ratio[phase.ticks(measures.command_time)]
         ),
+        damped_share=_damped(run, phase.ticks(measures.command_time)),
         **asdict(relations_of(run, team, measures, phase.stack, ticks, steady)),
     )
+
+
+def _damped(run: Run, ticks: NDArray[np.bool_]) -> float:
+    """Return in which share of some of the command's ticks a level was damped, as A says."""
+    reasons = [str(reason) for reason in run.chi[COMMANDER].reason[ticks]]
+    damped = sum(reason.startswith(NEAR) and DAMPED in reason for reason in reasons)
+    return damped / len(reasons) if reasons else 0.0
 
 
 def _empty_bounds(run: Run) -> int:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.controller import Controller
 from lexstack_core.errors import ConfigurationError
-from lexstack_core.hqp import SolverFactory, make_solver
+from lexstack_core.hqp import Damper, SolverFactory, make_solver
 from lexstack_core.in_force import BoxLaw, LimitOptions, LimitsInForce
 from lexstack_core.model import Team
 from lexstack_core.references import ReferenceSchedule
@@ -68,11 +68,14 @@ def build_references(resolved: ResolvedScenario, team: Team) -> ReferenceSchedul
 
 
 def build_stack_solver(
-    resolved: ResolvedScenario, parts: Parts, solver: SolverFactory | None = None
+    resolved: ResolvedScenario,
+    parts: Parts,
+    solver: SolverFactory | None = None,
+    damper: Damper | None = None,
 ) -> StackSolver:
-    """Return robot B's solver; ``solver`` makes another than the scenario's."""
+    """Return robot B's solver; ``solver`` and ``damper`` are others than the scenario's."""
     made = solver() if solver else make_solver(resolved.scenario.solver)
-    return StackSolver(parts.team, parts.stacks, made, parts.dt)
+    return StackSolver(parts.team, parts.stacks, made, parts.dt, damper)
 
 
 def build_controller(
@@ -80,6 +83,7 @@ def build_controller(
     parts: Parts,
     solver: SolverFactory | None = None,
     box: BoxLaw | None = None,
+    damper: Damper | None = None,
 ) -> Controller:
     """Return robot A's controller.
 
@@ -88,14 +92,16 @@ def build_controller(
         parts: built from it.
         solver: makes other solvers than the scenario's.
         box: keeps the limits in another way than ``LimitsInForce``.
+        damper: treats singularities in another way than ``Damper``.
     """
-    local = build_stack_solver(resolved, parts, solver)
+    local = build_stack_solver(resolved, parts, solver, damper)
     return Controller(
         parts.team,
         build_references(resolved, parts.team),
         Transition(parts.stacks, local, resolved.scenario, parts.team, parts.unfit),
         solver() if solver else make_solver(resolved.scenario.solver),
         box or build_limits(resolved, parts),
+        damper,
     )
 
 

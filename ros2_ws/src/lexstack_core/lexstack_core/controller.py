@@ -7,17 +7,28 @@ from time import perf_counter
 
 import numpy as np
 
-from lexstack_core.bounds import Bounds, target_bounds
-from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, blocked, describe, refusal
+from lexstack_core.bounds import Bounds, JointLimits, target_bounds
+from lexstack_core.hqp import (
+    Damper,
+    HqpProblem,
+    HqpSolver,
+    NearSingular,
+    Solution,
+    blocked,
+    describe,
+    near_singularity,
+    refusal,
+)
 from lexstack_core.in_force import BoxLaw
 from lexstack_core.linear import Vector
-from lexstack_core.model import Team
+from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import ReferenceSchedule, measured
 from lexstack_core.state import RobotState
 from lexstack_core.transition.auxiliary import Auxiliary
 from lexstack_core.transition.machine import Transition
 from lexstack_core.transition.plan import Means
 from lexstack_core.transition.status import TransitionState
+from lexstack_core.transition.telling import with_singularity
 
 _TOUCH = 1e-9  # m/s, rad/s: nearer than this chi is at its bound
 
@@ -38,6 +49,8 @@ class Command:
         transitions: where the transition of each channel stands, in the order of their robots.
         solve_time: wall time of the whole tick [s].
         revision: of the references, see ``References``.
+        near: the levels near a singularity; those with added rows are not strict at this tick.
+        undamped: empty, or why damping could not be worked out.
     """
 
     tick: int
@@ -50,6 +63,15 @@ class Command:
     transitions: tuple[TransitionState, ...]
     solve_time: float
     revision: int = 0
+    near: tuple[NearSingular, ...] = ()
+    undamped: str = ""
+
+    @property
+    def near_singularity(self) -> str:
+        """Which levels are near one, or why none could be damped; empty: all is regular."""
+        if self.undamped:
+            return self.undamped
+        return near_singularity(self.near)
 
     @property
     def transition(self) -> TransitionState:
@@ -67,13 +89,18 @@ class Controller:
         transition: Transition,
         solver: HqpSolver,
         box: BoxLaw,
+        damper: Damper | None = None,
     ) -> None:
-        """Put the parts together; ``box`` keeps the limits, and knows the control period."""
+        """Put the parts together; ``box`` keeps the limits, and knows the control period.
+
+        ``damper`` is for those who compare: another one than the default.
+        """
         self.references = references
         self.transition = transition
         self._team = team
         self._solver = solver
         self._box = box
+        self._damper = damper or Damper(team, box.dt)
         self._sent: Vector | None = None
         self._bounds: Bounds | None = None
         self._warm: Solution | None = None
@@ -91,7 +118,9 @@ class Controller:
         due = self.transition.due(state.tick, references.revision)
         wanted, jerk = self.transition.limits(due)
         limits, bounds = self._box.at(state, wanted, self._sent, jerk=jerk)
-        auxiliary = Auxiliary(self._solver, state.command, bounds)
+        auxiliary = Auxiliary(
+            lambda problem: self._solve(problem, kinematics, limits, None), state.command, bounds
+        )
         means = Means(
             bounds,
             self._bounds or bounds,
@@ -103,7 +132,7 @@ class Controller:
         )
         plans = self.transition.step(due, kinematics, references, means)
         bounds = self._bounds = plans.problem.bounds
-        solution = self._solver.solve(plans.problem, self._warm)
+        solution = self._solve(plans.problem, kinematics, limits, self._warm)
         chi, fallback = checked(solution, bounds)
         self._warm = None if fallback else solution
         fallback = "; ".join(word for word in (fallback, auxiliary.failures) if word)
@@ -119,9 +148,11 @@ class Controller:
             bounds,
             solution.slacks,
             fallback,
-            told,
+            tuple([with_singularity(state, solution.near) for state in told]),
             perf_counter() - begun,
             references.revision,
+            solution.near,
+            solution.undamped,
         )
 
     def prepare(self, state: RobotState) -> None:
@@ -136,6 +167,21 @@ class Controller:
     def awaits(self, state: RobotState) -> bool:
         """Return whether a source's chi of this tick is still to come (lockstep)."""
         return self.transition.awaits(state.tick, self.references.at(state.stamp).revision)
+
+    def _solve(
+        self,
+        problem: HqpProblem,
+        kinematics: Kinematics,
+        limits: JointLimits,
+        warm: Solution | None,
+    ) -> Solution:
+        """Return the solution of a problem, damped where a level is near a singularity.
+
+        What is latched and told is about the problem's own rows: damping is added here, and nobody
+        else sees it.
+        """
+        damped = self._damper.damped(problem, kinematics, limits)
+        return damped.own(self._solver.solve(damped.problem, damped.warm(warm)))
 
     def obstructed(self) -> str:
         """Return which levels of the last tick a joint's bound keeps from being met, or ''.

@@ -11,6 +11,32 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """What a task's rows leave out: how they turn while the robots move.
+
+    The rows are ``scale`` times the derivative of a function f of the joints, and ask for
+    ``scale K e`` with e the error that is left of it. Made once per task: it holds nothing that
+    changes from tick to tick.
+
+    Attributes:
+        gain: K [1/s]; an equality row divided by it is the error that the row asks to remove.
+        robots: places in the team of the robots whose joints have a column in the rows.
+        columns: the joints of each of these robots in chi.
+        signs: per robot +1 or -1: the rows are that many times the Jacobian of a frame that it
+            moves; empty where f is linear in the joints.
+        limits: per three rows the length that K e is shortened to, see ``saturated``; may be empty.
+        scale: root of the task's weight.
+    """
+
+    gain: float
+    robots: tuple[int, ...]
+    columns: tuple[slice, ...]
+    signs: tuple[float, ...] = ()
+    limits: tuple[float, ...] = ()
+    scale: float = 1.0
+
+
 @dataclass(frozen=True, slots=True)
 class LinearTask:
     """One task made linear at the present state: ``lower <= matrix @ chi <= upper``.
@@ -24,17 +50,21 @@ class LinearTask:
         matrix: A, shape (m, n) with n the length of chi.
         lower: shape (m,), in the unit of ``matrix @ chi``.
         upper: shape (m,), ``lower <= upper``.
+        curve: of equality rows that ask to remove an error; None: nothing is known of it.
     """
 
     name: str
     matrix: Matrix
     lower: Vector
     upper: Vector
+    curve: Curve | None = None
 
     @classmethod
-    def equality(cls, name: str, matrix: Matrix, target: Vector) -> LinearTask:
+    def equality(
+        cls, name: str, matrix: Matrix, target: Vector, curve: Curve | None = None
+    ) -> LinearTask:
         """Return the task ``matrix @ chi -> target``."""
-        return cls(name, matrix, target, target)
+        return cls(name, matrix, target, target, curve)
 
     def residual(self, chi: Vector) -> Vector:
         """Return the signed distance of ``matrix @ chi`` to ``[lower, upper]``, shape (m,)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -226,4 +226,6 @@ def _scaled(task: LinearTask, scale: float) -> LinearTask:
     """Return the task with its rows multiplied by ``scale``."""
     if scale == 1.0:
         return task
-    return LinearTask(task.name, scale * task.matrix, scale * task.lower, scale * task.upper)
+    rows = (scale * task.matrix, scale * task.lower, scale * task.upper)
+    curve = task.curve and replace(task.curve, scale=scale)
+    return LinearTask(task.name, *rows, curve)

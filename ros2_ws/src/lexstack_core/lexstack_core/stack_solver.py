@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from lexstack_core.bounds import Bounds, target_bounds
-from lexstack_core.hqp import HqpProblem, HqpSolver, Solution
+from lexstack_core.hqp import Damped, Damper, HqpProblem, HqpSolver, Solution
 from lexstack_core.linear import LinearTask
 from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References
@@ -43,13 +43,22 @@ class StackSolver:
     """Solves any of the known stacks without an acceleration box: a target, not a command."""
 
     def __init__(
-        self, team: Team, stacks: Mapping[str, Stack], solver: HqpSolver, dt: float
+        self,
+        team: Team,
+        stacks: Mapping[str, Stack],
+        solver: HqpSolver,
+        dt: float,
+        damper: Damper | None = None,
     ) -> None:
-        """Know the stacks by name; ``dt`` is the control period [s]."""
+        """Know the stacks by name; ``dt`` is the control period [s].
+
+        ``damper`` is for those who compare: another one than the default.
+        """
         self._team = team
         self._stacks = stacks
         self._solver = solver
         self._dt = dt
+        self._damper = damper or Damper(team, dt)
         self._parts: dict[tuple[int, ...], Part] = {}
         self._warm: dict[tuple[str, tuple[int, ...] | None], Solution] = {}
 
@@ -71,12 +80,26 @@ class StackSolver:
         known = self._known(stack)
         levels, bounds = known.linearise(kinematics, references), self.bounds(known, kinematics)
         part = self._part(known)
-        problem = HqpProblem(levels, bounds) if part is None else _alone(levels, bounds, part)
         key = (known.name, known.robots)
-        solution = self._solver.solve(problem, self._warm.pop(key, None))
+        last = self._warm.pop(key, None)
+        limits = known.limits or self._team.limits
+        given = HqpProblem(levels, bounds)
+        damped = self._damper.damped(given, kinematics, limits)
+        solution = self._solved(damped, part, last)
         if solution.solved:
             self._warm[key] = solution
-        return solution if part is None else _among_all(solution, part, self._team.n)
+        return solution
+
+    def _solved(self, damped: Damped, part: Part | None, last: Solution | None) -> Solution:
+        """Return the solution over all joints; those that a stack does not move are at rest."""
+        problem, warm = damped.problem, damped.warm(last)
+        if part is None:
+            return damped.own(self._solver.solve(problem, warm))
+        if warm is not None:
+            mine = part.columns
+            warm = replace(warm, chi=warm.chi[mine], active=warm.active[mine])
+        solution = self._solver.solve(_alone(problem.levels, problem.bounds, part), warm)
+        return damped.own(_among_all(solution, part, self._team.n))
 
     def at_rest(self, stack: Stack) -> Stack:
         """Return level 1 of a stack with minimum velocity below it."""

@@ -144,7 +144,7 @@ def chi_of_command(command: Command, message: Chi) -> Chi:
     message.status = Chi.FALLBACK if command.fallback else Chi.SOLVED
     message.empty_bounds = command.bounds.empty
     message.solve_time = command.solve_time
-    message.reason = command.fallback
+    message.reason = command.fallback or command.near_singularity
     return message
 
 

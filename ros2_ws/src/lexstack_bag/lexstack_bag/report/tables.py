@@ -62,6 +62,7 @@ def run_table(metrics: Metrics) -> str:
         ["Late ticks (realtime only)", f"{metrics.late_ticks}"],
         ["Ticks without a command", f"{metrics.missing_ticks}"],
         ["Solutions that failed or fell back", f"{metrics.solver_failures}"],
+        ["Ticks damped near a singularity", f"{100.0 * metrics.damped_share:.1f} %"],
         ["Peak jerk / limit", number(metrics.peak_jerk_ratio, 3)],
         ["Messages recorded", f"{sum(metrics.messages.values())}"],
         ["Messages lost by the recorder", f"{metrics.recorder_lost}"],

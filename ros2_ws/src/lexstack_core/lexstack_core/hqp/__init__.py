@@ -3,10 +3,21 @@
 from lexstack_core.errors import ConfigurationError
 from lexstack_core.hqp.blocked import Blocked, Obstacle, blocked, describe
 from lexstack_core.hqp.clusters import ClusteredSolver
+from lexstack_core.hqp.damping import Damped, Damper
 from lexstack_core.hqp.daqp_cascade import DaqpCascade
 from lexstack_core.hqp.fallback import FallbackSolver, refusal
 from lexstack_core.hqp.oracle import OracleSolver
-from lexstack_core.hqp.problem import HqpProblem, HqpSolver, Solution, SolverFactory, Status
+from lexstack_core.hqp.problem import (
+    DAMPED,
+    NEAR,
+    HqpProblem,
+    HqpSolver,
+    NearSingular,
+    Solution,
+    SolverFactory,
+    Status,
+    near_singularity,
+)
 from lexstack_core.hqp.proxqp_cascade import ProxqpCascade
 from lexstack_core.hqp.quadprog_cascade import QuadprogCascade
 
@@ -38,13 +49,18 @@ def make_solver(name: str = DEFAULT_SOLVER) -> HqpSolver:
 
 
 __all__ = [
+    "DAMPED",
     "DEFAULT_SOLVER",
+    "NEAR",
     "SOLVERS",
     "Blocked",
     "ClusteredSolver",
+    "Damped",
+    "Damper",
     "FallbackSolver",
     "HqpProblem",
     "HqpSolver",
+    "NearSingular",
     "Obstacle",
     "Solution",
     "SolverFactory",
@@ -52,5 +68,6 @@ __all__ = [
     "blocked",
     "describe",
     "make_solver",
+    "near_singularity",
     "refusal",
 ]

@@ -203,9 +203,7 @@ def _move(step: Step, chi: Vector, last: bool) -> Matrix | None:
     return left
 
 
-def _hold_rows(
-    hierarchy: Hierarchy, chi: Vector, rows: Signs, inside: float, square: float
-) -> int:
+def _hold_rows(hierarchy: Hierarchy, chi: Vector, rows: Signs, inside: float, square: float) -> int:
     """Hold the inequality rows that chi violates; return how many there were."""
     end = hierarchy.deciding[-1].part.stop if hierarchy.deciding else 0
     if end == 0:

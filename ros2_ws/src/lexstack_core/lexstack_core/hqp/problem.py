@@ -36,6 +36,41 @@ class Status(Enum):
     FAILED = "failed"
 
 
+NEAR = "near a singularity"
+"""How the line about levels near a singularity begins."""
+
+DAMPED = "damped"
+"""What it says of those that are not strict."""
+
+
+@dataclass(frozen=True, slots=True)
+class NearSingular:
+    """A level near a singularity.
+
+    Attributes:
+        level: index 0 is the highest.
+        tasks: names of its tasks, of the robots concerned.
+        sigma: the least singular value of its rows in the directions that the levels above leave
+            free, in the unit of the rows; 0 where it has more rows than such directions.
+        rows: how many were added to it: with any, the level is not strict; see ``lift``.
+    """
+
+    level: int
+    tasks: str
+    sigma: float
+    rows: int
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        damped = f", {DAMPED}" if self.rows else ""
+        return f"level {self.level}: {self.tasks} (sigma {self.sigma:.2g}{damped})"
+
+
+def near_singularity(near: tuple[NearSingular, ...]) -> str:
+    """Return which levels are near a singularity, in one line; empty where none is."""
+    return f"{NEAR}: {', '.join(map(str, near))}" if near else ""
+
+
 def _no_rows() -> NDArray[np.int8]:
     """Return the states of no rows."""
     return np.empty(0, dtype=np.int8)
@@ -56,6 +91,9 @@ class Solution:
         rows: -1, 0 or +1 per row of all levels, in their order: the end at which, or beyond
             which, an inequality row is; 0 for equality rows; shape (M,). It may be empty.
         note: empty, or which solvers failed before another one solved the problem.
+        near: the levels near a singularity; those with added rows gave up strictness to come to
+            rest. All others are strict.
+        undamped: empty, or why damping could not be worked out, so that there is none.
     """
 
     chi: Vector
@@ -66,6 +104,8 @@ class Solution:
     solve_time: float
     rows: NDArray[np.int8] = field(default_factory=_no_rows)
     note: str = ""
+    near: tuple[NearSingular, ...] = ()
+    undamped: str = ""
 
     @property
     def solved(self) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from lexstack_core.config.checks import positive
 from lexstack_core.config.reader import build
-from lexstack_core.linear import LinearTask
+from lexstack_core.linear import Curve, LinearTask
 from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References
 from lexstack_core.rotation import wrap
@@ -39,6 +39,7 @@ class Base:
         self._matrix = np.eye(3, team.n, start)
         self._matrix.setflags(write=False)  # solvers may remember it
         self._gain = parameters.gain
+        self._curve = Curve(parameters.gain, (robot,), (team.slices[robot],))
 
     @classmethod
     def from_config(cls, team: Team, robot: int, parameters: dict[str, Any], where: str) -> Base:
@@ -49,4 +50,4 @@ class Base:
         """Return 3 rows: x and y [m/s], yaw [rad/s], in the world frame."""
         error = references.base[self._robot] - kinematics.state.q_star[self._part]
         error[2] = wrap(error[2])
-        return LinearTask.equality(self.name, self._matrix, self._gain * error)
+        return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve)

@@ -10,7 +10,7 @@ import numpy as np
 
 from lexstack_core.config.checks import positive
 from lexstack_core.config.reader import build
-from lexstack_core.linear import LinearTask, Vector
+from lexstack_core.linear import Curve, LinearTask, Vector
 from lexstack_core.model import Kinematics, Pose, Team
 from lexstack_core.references import References
 from lexstack_core.rotation import log3
@@ -40,6 +40,8 @@ class EePose:
         self._part = team.slices[robot]
         self._n = team.n
         self._parameters = parameters
+        limits = (parameters.max_linear, parameters.max_angular)
+        self._curve = Curve(parameters.gain, (robot,), (self._part,), (1.0,), limits)
 
     @classmethod
     def from_config(cls, team: Team, robot: int, parameters: dict[str, Any], where: str) -> EePose:
@@ -55,7 +57,7 @@ class EePose:
         target[3:] = saturated(gain * error[3:], self._parameters.max_angular)
         matrix = np.zeros((6, self._n))
         matrix[:, self._part] = kinematics.jacobians[self._robot]
-        return LinearTask.equality(self.name, matrix, target)
+        return LinearTask.equality(self.name, matrix, target, self._curve)
 
 
 def pose_error(actual: Pose, desired: Pose) -> Vector:

@@ -9,7 +9,7 @@ import numpy as np
 
 from lexstack_core.config.checks import positive
 from lexstack_core.config.reader import build
-from lexstack_core.linear import LinearTask
+from lexstack_core.linear import Curve, LinearTask
 from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References
 from lexstack_core.tasks.ee_pose import saturated
@@ -38,6 +38,8 @@ class EePosition:
         self._part = team.slices[robot]
         self._n = team.n
         self._parameters = parameters
+        limits = (parameters.max_linear,)
+        self._curve = Curve(parameters.gain, (robot,), (self._part,), (1.0,), limits)
 
     @classmethod
     def from_config(
@@ -52,4 +54,4 @@ class EePosition:
         target = saturated(self._parameters.gain * error, self._parameters.max_linear)
         matrix = np.zeros((3, self._n))
         matrix[:, self._part] = kinematics.jacobians[self._robot][:3]
-        return LinearTask.equality(self.name, matrix, target)
+        return LinearTask.equality(self.name, matrix, target, self._curve)

@@ -9,7 +9,7 @@ import numpy as np
 
 from lexstack_core.config.checks import finite, positive, same_length
 from lexstack_core.config.reader import build
-from lexstack_core.linear import LinearTask, Vector
+from lexstack_core.linear import Curve, LinearTask, Vector
 from lexstack_core.model import Kinematics, RobotModel, Team
 from lexstack_core.references import References
 
@@ -44,6 +44,7 @@ class Posture:
         self._matrix = np.eye(len(self._target), team.n, start)
         self._matrix.setflags(write=False)  # solvers may remember it
         self._gain = parameters.gain
+        self._curve = Curve(parameters.gain, (robot,), (team.slices[robot],))
 
     @classmethod
     def from_config(cls, team: Team, robot: int, parameters: dict[str, Any], where: str) -> Posture:
@@ -53,7 +54,7 @@ class Posture:
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return one row per arm joint [rad/s]."""
         error = self._target - kinematics.state.q_star[self._part]
-        return LinearTask.equality(self.name, self._matrix, self._gain * error)
+        return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve)
 
 
 def posture_target(model: RobotModel, parameters: PostureParameters, where: str) -> Vector:

@@ -27,7 +27,7 @@ import numpy as np
 from lexstack_core.config.checks import positive
 from lexstack_core.config.reader import build
 from lexstack_core.errors import ConfigurationError
-from lexstack_core.linear import LinearTask, Matrix, Vector
+from lexstack_core.linear import Curve, LinearTask, Matrix, Vector
 from lexstack_core.model import Kinematics, Pose, Team
 from lexstack_core.references import References
 from lexstack_core.tasks.ee_pose import pose_error, saturated
@@ -69,6 +69,9 @@ class RelativePose:
         self._parts = team.slices[robot], team.slices[other]
         self._n = team.n
         self._parameters = parameters
+        limits = (parameters.max_linear, parameters.max_angular)
+        signs = (-1.0, 1.0)
+        self._curve = Curve(parameters.gain, self._robots, self._parts, signs, limits)
 
     @classmethod
     def from_config(
@@ -91,7 +94,7 @@ class RelativePose:
         matrix[:, self._parts[0]] = -held
         matrix[:3, self._parts[0]] += cross(lever) @ held[3:]
         matrix[:, self._parts[1]] = kinematics.jacobians[other]
-        return LinearTask.equality(self.name, matrix, target)
+        return LinearTask.equality(self.name, matrix, target, self._curve)
 
 
 def other_end(tool: Pose, reference: Pose, other_reference: Pose) -> Pose:

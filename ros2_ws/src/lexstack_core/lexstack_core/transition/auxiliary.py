@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from lexstack_core.bounds import Bounds
-from lexstack_core.hqp import HqpProblem, HqpSolver, refusal
+from lexstack_core.hqp import HqpProblem, Solution, refusal
 from lexstack_core.linear import Vector
 
 
 class Auxiliary:
     """Solves them for one tick. A failed solution is not used: the robots hold what they do."""
 
-    def __init__(self, solver: HqpSolver, command: Vector, bounds: Bounds) -> None:
-        """Solve with ``solver``; hold ``command`` (n,), which is in force, within A's box."""
-        self._solver = solver
+    def __init__(
+        self, solve: Callable[[HqpProblem], Solution], command: Vector, bounds: Bounds
+    ) -> None:
+        """Solve with ``solve``; hold ``command`` (n,), which is in force, within A's box."""
+        self._solve = solve
         self._command = command
         self._bounds = bounds
         self._failures: list[str] = []
@@ -26,7 +30,7 @@ class Auxiliary:
 
     def solve(self, problem: HqpProblem) -> Vector:
         """Return the optimum of a problem, shape (n,), or the command that is held."""
-        solution = self._solver.solve(problem)
+        solution = self._solve(problem)
         reason = refusal(solution, problem.bounds)
         return self.held(f"auxiliary problem: {reason}") if reason else solution.chi
 

@@ -63,13 +63,17 @@ def bridged(
     first = level
     if bridge.epsilon is not None:
         first = tuple(
-            LinearTask(task.name, task.matrix, task.lower + rest * gap, task.upper + rest * gap)
-            for task, gap in zip(level, bridge.epsilon, strict=True)
+            _moved_by(task, rest * gap) for task, gap in zip(level, bridge.epsilon, strict=True)
         )
     target = source + rest * bridge.delta
     if bridge.carried is not None:
         target += bridge.carried
     return first, target
+
+
+def _moved_by(task: LinearTask, gap: Vector) -> LinearTask:
+    """Return a task with its ends moved by ``gap``, shape (m,)."""
+    return LinearTask(task.name, task.matrix, task.lower + gap, task.upper + gap, task.curve)
 
 
 def _gap(task: LinearTask, command: Vector) -> Vector:

@@ -2,13 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from lexstack_core.hqp import NEAR, NearSingular
 from lexstack_core.linear import Vector
 from lexstack_core.transition.channel import Channel
 from lexstack_core.transition.plan import Plan
 from lexstack_core.transition.request import SwitchRequest
 from lexstack_core.transition.status import Phase, Source, TransitionState
+
+
+def with_singularity(state: TransitionState, near: tuple[NearSingular, ...]) -> TransitionState:
+    """Return the state of a channel that serves its stack, with its levels near a singularity.
+
+    In the reason, where there is no other one. Without the singular values, which change from tick
+    to tick: a reason that stays the same is told once.
+    """
+    if not near or state.phase is not Phase.IDLE or state.reason:
+        return state
+    mine = tuple([f"{name}/" for name in state.robots])
+    tasks = [
+        f"level {entry.level}: {entry.tasks}"
+        for entry in near
+        if any(task.startswith(mine) for task in entry.tasks.split(" + "))
+    ]
+    return replace(state, reason=f"{NEAR}: {', '.join(tasks)}") if tasks else state
 
 
 def told(

@@ -52,6 +52,8 @@ class HqpControllerNode(Node):
         self._served = -1
         self._deadline = 0.0
         self._fallbacks = 0
+        self._damped = 0  # ticks near a singularity
+        self._near = ""  # the last of them since the last report
         self._meter = Meter()
         self._late = 0  # ticks that waited in vain for robot B
         self.failure: AlreadyCommandedError | None = None  # ends the process
@@ -150,6 +152,11 @@ class HqpControllerNode(Node):
         self._journal.see(command.transitions)
         self._served = state.tick
         self._meter.add(command.solve_time)
+        near = command.near_singularity
+        if near:
+            self._damped += any(level.rows for level in command.near)
+            self._near = near
+            self.get_logger().warning(near, throttle_duration_sec=10.0)
         if command.fallback:
             self._fallbacks += 1
             self.get_logger().warning(command.fallback, throttle_duration_sec=1.0)
@@ -173,14 +180,16 @@ class HqpControllerNode(Node):
         refused = self._states.refused + self._targets.refused
         complaint, ages = self._states.report()
         failed = f"{self._fallbacks} ticks failed" if self._fallbacks else ""
+        near, self._near = self._near, ""
         return Health(
-            all_of(*self._complaints(), complaint, failed),
+            all_of(*self._complaints(), complaint, failed, near),
             {
                 **self._meter.report(),
                 **ages,
                 "tick": str(self._served),
                 "ticks without robot B in time": str(self._late),
                 "fallbacks": str(self._fallbacks),
+                "ticks damped near a singularity": str(self._damped),
                 "levels held back by bounds": self._controller.obstructed(),
                 "skipped states": str(self._states.skipped),
                 "refused messages": str(refused),

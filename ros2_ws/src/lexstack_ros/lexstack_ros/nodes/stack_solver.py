@@ -10,6 +10,7 @@ from rclpy.node import Node
 
 from lexstack_core.build import Parts, build_stack_solver
 from lexstack_core.errors import InputError
+from lexstack_core.hqp import near_singularity
 from lexstack_core.model import Kinematics
 from lexstack_core.stack_solver import share
 from lexstack_core.state import RobotState
@@ -125,7 +126,7 @@ class StackSolverNode(Node):
         chi.slacks = to_array(solution.slacks)
         usable = solution.solved and bool(np.isfinite(solution.chi).all())
         chi.status = Chi.SOLVED if usable else Chi.FAILED
-        chi.reason = solution.reason
+        chi.reason = solution.reason or solution.undamped or near_singularity(solution.near)
         chi.empty_bounds = bounds.empty
         chi.solve_time = solve_time
         self._meter.add(solve_time)
