@@ -3,6 +3,7 @@
 (() => {
   const setup = JSON.parse(document.getElementById("setup").textContent);
   const at = (id) => document.getElementById(id);
+  const ROBOTS = ["#D55E00", "#0072B2"]; // robot A is orange, as in the view
   const COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"];
   const DASHES = ["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"];
   const WINDOW = 20; // s
@@ -12,6 +13,11 @@
   let begun; // tick and wall time of the first news, for the rate
   let shown; // what the view shows, as text
   let view;
+
+  // plotly.js takes some tags in a text for its own: no name shall have any.
+  function plotText(text) {
+    return text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");
+  }
 
   function options(select, values) {
     select.append(...values.map((value) => new Option(value, value)));
@@ -25,6 +31,7 @@
     at("time").textContent = `${news.time.toFixed(2)} s`;
     at("tick").textContent = news.tick;
     at("plant").textContent = news.plant;
+    at("plant").className = ["braking", "holding"].includes(news.plant) ? "bad" : "";
     at("stack").textContent = news.stack;
     at("phase").textContent = news.phase;
     at("alpha").value = news.alpha;
@@ -42,9 +49,9 @@
 
   function traces() {
     const x = history.map((news) => news.time);
-    const line = (name, y, i, row, unit) => ({
+    const line = (name, y, i, row, unit, colors = COLORS) => ({
       type: "scatter", mode: "lines", name, x, y, xaxis: "x", yaxis: `y${row}`,
-      line: { color: COLORS[i % 6], dash: DASHES[i % 6], width: 1.6 },
+      line: { color: colors[i % colors.length], dash: DASHES[i % 6], width: 1.6 },
       hovertemplate: `%{y:.4g} ${unit}`,
     });
     const most = Math.max(0, ...history.map((news) => news.levels.length));
@@ -54,8 +61,8 @@
     return [
       ...Array.from({ length: most }, (_, k) => line(`level ${k + 1}`, level(k), k, "",
         "m/s, rad/s")),
-      ...names.map((name, i) => line(`solve time ${name}`,
-        history.map((news) => news.solve[name] ?? null), i, 2, "ms")),
+      ...names.map((name, i) => line(`solve time ${plotText(name)}`,
+        history.map((news) => news.solve[name] ?? null), i, 2, "ms", ROBOTS)),
       line("α", history.map((news) => news.alpha), 3, 3, ""),
     ];
   }
@@ -63,8 +70,9 @@
   const axis = (title, domain, more) => ({ title: { text: title }, domain, gridcolor: "#E3E7EC",
     zeroline: false, showline: true, linecolor: "#B8C1CB", ...more });
   const layout = {
-    height: 460, margin: { l: 70, r: 12, t: 40, b: 44 }, hovermode: "x", uirevision: "live",
+    height: 460, margin: { l: 70, r: 46, t: 40, b: 44 }, hovermode: "x", uirevision: "live",
     font: { family: "system-ui, sans-serif", size: 12 }, legend: { orientation: "h", y: 1.12 },
+    modebar: { orientation: "v" },
     xaxis: axis("simulated time [s]", [0, 1], { anchor: "y3" }),
     yaxis: axis("residual [m/s, rad/s]", [0.64, 1], { type: "log", exponentformat: "power" }),
     yaxis2: axis("solve time [ms]", [0.3, 0.58], { rangemode: "tozero" }),
