@@ -103,9 +103,7 @@ def _write_parts(runs: Sequence[Run], folder: Path, say: Say) -> Analysis:
     """Write the files of all parts of a bag; return the analysis of the last one."""
     for number, run in enumerate(runs[:-1], 1):
         if number > _MOST_PARTS:
-            say(
-                f"parts {number} to {len(runs) - 1} are left out: at most {_MOST_PARTS} and the last"
-            )
+            say(f"left out: parts {number} to {len(runs) - 1}, of more than {_MOST_PARTS} parts")
             break
         write(Analysis.of_run(run, say), folder / f"part-{number}", say)
     last = Analysis.of_run(runs[-1], say)
