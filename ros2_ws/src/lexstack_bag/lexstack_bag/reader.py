@@ -18,6 +18,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from lexstack_bag.columns import StreamBuilder, seconds
 from lexstack_bag.container import Container, Progress, RawMessage, find_files
 from lexstack_bag.errors import BagError
+from lexstack_bag.facts import SCENARIO
 from lexstack_bag.loss import LossCounter
 from lexstack_bag.parts import ChiBuilder
 from lexstack_bag.planning import PlanningCollector
@@ -40,9 +41,6 @@ COMMAND = "/robot_a/chi"
 CONTROLLERS = ("robot_a", "robot_b")  # whatever the robots are called
 TRANSITION = "/robot_a/transition"
 REQUEST = "/robot_a/stack_request"
-SCENARIO = "/robot_a/scenario"
-"""Where robot A publishes the resolved scenario, for recorders that are not lexstack's own."""
-
 NEEDED = (PLANT_STATE, COMMAND, TRANSITION)
 """Topics without which there is nothing to analyse."""
 
