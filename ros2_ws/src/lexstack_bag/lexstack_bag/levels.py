@@ -24,7 +24,9 @@ from lexstack_core.stack import Stack, build_stack
 from lexstack_core.state import RobotState
 
 _MOST = 20  # states at which the residuals of a phase are taken
-_UNMET = 1e-4  # m/s, rad/s: a level that leaves less is met, as far as a reader is concerned
+UNMET = 1e-4
+"""m/s, rad/s: a level that leaves less is met, as far as a reader is concerned."""
+
 _SAME = 1e-6  # m/s, rad/s: bounds are recorded in single precision
 _STRONGEST = 3  # of what holds a level back, so many are named
 
@@ -119,14 +121,28 @@ def _held(run: Run, team: Team, levels: Levels, command: int) -> dict[int, tuple
     """Return by level what holds it back at a row of the command, in words."""
     sent = run.chi[COMMANDER]
     chi = sent.chi[command]
+    if not _is_optimum(levels, chi, sent.slacks[command]):
+        return {}
     lower, upper = (_at(bound[command], chi) for bound in (sent.lower, sent.upper))
     if not (np.isfinite(chi).all() and (lower <= chi).all() and (chi <= upper).all()):
         return {}
     nothing = np.zeros(chi.size, dtype=np.int8)
     solution = Solution(chi, np.zeros(len(levels)), Status.SOLVED, "", nothing, 0.0)
     problem = HqpProblem(levels, Bounds(lower, upper))
-    found = blocked(problem, solution, _UNMET)
+    found = blocked(problem, solution, UNMET)
     return {each.level: _words(each, team.joint_names) for each in found}
+
+
+def _is_optimum(levels: Levels, chi: Vector, slacks: Vector) -> bool:
+    """Return whether chi is what robot A solved these levels to, by the slacks that it sent.
+
+    It is not in a blend, where a fallback stood in, and where the robots are on several stacks.
+    """
+    left = [
+        np.sqrt(sum(float(r @ r) for r in (t.residual(chi) for t in level))) for level in levels
+    ]
+    told = slacks[np.isfinite(slacks)]
+    return len(told) == len(left) and bool(np.allclose(left, told, rtol=1e-3, atol=_SAME))
 
 
 def _at(bound: NDArray[np.float32], chi: Vector) -> Vector:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from markupsafe import Markup
 
 from lexstack_bag.goals import blend_text, goals_of, settled_text
+from lexstack_bag.levels import UNMET
 from lexstack_bag.metrics import Metrics, PerRobot
 from lexstack_bag.relations import TITLES
 from lexstack_bag.report.html import render
@@ -62,7 +63,7 @@ def levels_table(metrics: Metrics) -> Markup:
             f"{level.level}",
             task,
             "–" if residual is None else f"{residual:.2e}",
-            ", ".join(level.held_by) or "nothing",
+            ", ".join(level.held_by) if residual is not None and residual > UNMET else "",
         ]
         for phase in metrics.phases
         for level in phase.levels
