@@ -42,7 +42,8 @@ def urdf() -> str:
 
 def lift_scenario(patch: pytest.MonkeyPatch, folder: Path) -> ResolvedScenario:
     """Return a scenario with this robot; its description is found as long as the patch holds."""
-    file = folder / "lift.urdf"
+    file = folder / "share" / "robots" / "lift" / "urdf" / "lift.urdf"  # as deep as a package's
+    file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(urdf(), encoding="utf-8")
     for module in ("lexstack_core.model.description", "lexstack_sim.meshes", "lexstack_sim.urdf"):
         plain = importlib.import_module(module).description_path

@@ -260,3 +260,17 @@ def test_the_heads_of_a_printed_comparison_are_whole(synthetic):
 
     text = "\n".join(lines(compare_metrics(metrics, metrics, names)))
     assert all(name in text for name in names)
+
+
+def test_columns_stay_apart_where_errors_are_large(synthetic):
+    run = read_run(synthetic.folder)
+    metrics = compute_metrics(run, measure(run), find_phases(run))
+    large = {"robot_a": 916.19, "robot_b": 1751.23}
+    phases = tuple(
+        replace(phase, ee_error_mm=large, base_error_mm=large, peak_acceleration_ratio=1234.567)
+        for phase in metrics.phases
+    )
+    rows = [line for line in summary_lines(replace(metrics, phases=phases)) if "1751.23" in line]
+    assert len(rows) == 2
+    for row in rows:
+        assert row.split()[-7:] == [*("916.19", "/", "1751.23") * 2, "1234.567"]

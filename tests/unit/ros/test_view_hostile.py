@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 from lexstack_core.build import build_references
@@ -59,10 +60,12 @@ def test_the_live_page_shows_hostile_names_and_runs_none():
         with Browser() as page:
             page.open(server.url)
             page.wait("window.LexstackLive !== undefined")
-            for _ in range(2):
-                hub.publish(told(run, team))
-            page.wait("document.getElementById('stack').textContent.startsWith('from')")
-            page.wait("document.querySelector('#strips .legendtext') !== null")
+            text = told(run, team)
+            for _ in range(300):  # the page may still be finding its way to the server
+                hub.publish(text)
+                if page.run("document.querySelectorAll('#strips .legendtext').length > 1"):
+                    break
+                time.sleep(0.1)
             page.run("LexstackLive.order({do: 'cancel'})")
             for name in ("name", "to", "reason", "stack", f"{team.names[0]}"):
                 assert shown(page, name if name == team.names[0] else f"{name}{ALL}"), name

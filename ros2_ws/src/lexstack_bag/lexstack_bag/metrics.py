@@ -137,7 +137,7 @@ def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetri
     steady = ticks & (measures.time >= phase.end - STEADY_WINDOW - 1e-6)
     ee = tasks_of(run, phase.stack, EE_TASKS)
     base = tasks_of(run, phase.stack, BASE_TASKS)
-    postures = posture_errors(run, phase.stack)
+    postures = posture_errors(run, team, phase.stack)
 
     def figures(errors: Matrix, rows: Any, take: Any, robots: Collection[str]) -> PerRobot:
         return {
@@ -148,7 +148,7 @@ def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetri
     return PhaseMetrics(
         stack=phase.stack,
         start_s=round(phase.start, 9),
-        settled_s=settled_after(run, measures, phase, ticks, steady),
+        settled_s=settled_after(run, team, measures, phase, ticks, steady),
         transition_s=None if phase.adopted is None else round(phase.adopted - phase.start, 9),
         ee_error_mm=figures(measures.ee_error, steady, np.mean, ee),
         ee_peak_error_mm=figures(measures.ee_error, ticks, np.max, ee),

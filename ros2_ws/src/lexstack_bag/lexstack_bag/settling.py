@@ -11,6 +11,7 @@ from lexstack_bag.measures import Measures
 from lexstack_bag.phases import BASE_TASKS, EE_TASKS, POSTURE_TASKS, Phase, tasks_of
 from lexstack_bag.run import Run
 from lexstack_core.linear import Vector
+from lexstack_core.model import Team
 from lexstack_core.model.robot import ARM
 
 # An error has settled once it stays below its steady state plus this.
@@ -19,6 +20,7 @@ SETTLED_BAND = 1.0  # mm for end effectors and bases, mrad for postures
 
 def settled_after(
     run: Run,
+    team: Team,
     measures: Measures,
     phase: Phase,
     ticks: NDArray[np.bool_],
@@ -31,6 +33,7 @@ def settled_after(
 
     Args:
         run: the run.
+        team: its robots.
         measures: its time series.
         phase: the phase.
         ticks: which ticks are in the phase, shape (T,).
@@ -40,7 +43,7 @@ def settled_after(
         None if an error never settles, or the stack has no such task.
     """
     times = []
-    for errors in _errors(run, measures, phase.stack):
+    for errors in _errors(run, team, measures, phase.stack):
         inside = errors[ticks]
         if not inside.size or not steady.any():
             return None
@@ -52,26 +55,23 @@ def settled_after(
     return round(max(0.0, *times), 9) if times else None
 
 
-def _errors(run: Run, measures: Measures, stack: str) -> Iterator[Vector]:
+def _errors(run: Run, team: Team, measures: Measures, stack: str) -> Iterator[Vector]:
     """Yield the errors of a stack's tasks at every tick, shape (T,) each."""
     for name in tasks_of(run, stack, EE_TASKS):
         yield measures.ee_error[:, run.robots.index(name)]
     for name in tasks_of(run, stack, BASE_TASKS):
         yield measures.base_error[:, run.robots.index(name)]
-    yield from posture_errors(run, stack).values()
+    yield from posture_errors(run, team, stack).values()
 
 
-def posture_errors(run: Run, stack: str) -> dict[str, Vector]:
+def posture_errors(run: Run, team: Team, stack: str) -> dict[str, Vector]:
     """Return the distance of each arm from the posture that a stack asks for, shape (T,) [mrad].
 
     It is the norm over the joints; a prismatic joint counts with its millimetres. A robot without
     such a task is left out.
     """
-    tasks = tasks_of(run, stack, POSTURE_TASKS)
-    if not tasks:
-        return {}
-    team, found = run.team(), {}
-    for name, task in tasks.items():
+    found = {}
+    for name, task in tasks_of(run, stack, POSTURE_TASKS).items():
         robot = team.index(name)
         limits = team.robots[robot].limits
         middle = 0.5 * (limits.position_lower[ARM] + limits.position_upper[ARM])
