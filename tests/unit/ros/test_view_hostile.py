@@ -26,7 +26,7 @@ def hostile():
     return replace(known, scenario=scenario, stacks=stacks)
 
 
-def told(run, team):
+def told(run, team, second=0):
     """Return news whose every text is hostile."""
     status = TransitionStatus(
         phase=TransitionStatus.BLENDING,
@@ -37,6 +37,7 @@ def told(run, team):
         robots=[team.names[0]],
     )
     state = PlantState(tick=7, q=team.home(run).tolist(), status=PlantState.BRAKING)
+    state.header.stamp.sec = second
     references = build_references(known_by_names(run), team).at(0.0)
     chi = {f"chi{ALL}": Chi(tick=7, slacks=[0.1], solve_time=0.001)}
     return news(team, state, [status], chi, references)
@@ -60,12 +61,13 @@ def test_the_live_page_shows_hostile_names_and_runs_none():
         with Browser() as page:
             page.open(server.url)
             page.wait("window.LexstackLive !== undefined")
-            text = told(run, team)
-            for _ in range(300):  # the page may still be finding its way to the server
-                hub.publish(text)
-                if page.run("document.querySelectorAll('#strips .legendtext').length > 1"):
+            drawn = "(document.getElementById('strips').layout?.shapes?.length || 0) > 0"
+            for second in range(1, 300):  # the page may still be finding its way to the server
+                hub.publish(told(run, team, second))
+                if page.run(drawn):
                     break
                 time.sleep(0.1)
+            assert page.run("document.getElementById('strips').layout.shapes[0].name") == "braking"
             page.run("LexstackLive.order({do: 'cancel'})")
             for name in ("name", "to", "reason", "stack", f"{team.names[0]}"):
                 assert shown(page, name if name == team.names[0] else f"{name}{ALL}"), name

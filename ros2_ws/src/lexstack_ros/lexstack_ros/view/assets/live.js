@@ -6,6 +6,7 @@
   const ROBOTS = ["#D55E00", "#0072B2"]; // robot A is orange, as in the view
   const COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"];
   const DASHES = ["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"];
+  const BANDS = { braking: "rgba(213, 94, 0, 0.20)", holding: "rgba(230, 159, 0, 0.22)" };
   const WINDOW = 20; // s
   const LEAST = 1e-9; // a logarithm has no zero
   const history = []; // of the window
@@ -31,7 +32,7 @@
     at("time").textContent = `${news.time.toFixed(2)} s`;
     at("tick").textContent = news.tick;
     at("plant").textContent = news.plant;
-    at("plant").className = ["braking", "holding"].includes(news.plant) ? "bad" : "";
+    at("plant").className = BANDS[news.plant] ? "bad" : "";
     at("stack").textContent = news.stack;
     at("phase").textContent = news.phase;
     at("alpha").value = news.alpha;
@@ -67,6 +68,21 @@
     ];
   }
 
+  // The times in which the plant braked or held the last command.
+  function bands() {
+    const found = [];
+    history.forEach((news, i) => {
+      if (!BANDS[news.plant]) return;
+      const begin = i ? history[i - 1].time : news.time;
+      const last = found[found.length - 1];
+      if (last && last.name === news.plant && last.x1 === begin) last.x1 = news.time;
+      else found.push({ type: "rect", name: news.plant, xref: "x", yref: "paper", x0: begin,
+        x1: news.time, y0: 0, y1: 1, fillcolor: BANDS[news.plant], line: { width: 0 },
+        layer: "below" });
+    });
+    return found;
+  }
+
   const axis = (title, domain, more) => ({ title: { text: title }, domain, gridcolor: "#E3E7EC",
     zeroline: false, showline: true, linecolor: "#B8C1CB", ...more });
   const layout = {
@@ -80,7 +96,9 @@
   };
 
   function draw() {
-    if (!document.hidden) Plotly.react("strips", traces(), layout, { displaylogo: false });
+    if (document.hidden) return;
+    layout.shapes = bands();
+    Plotly.react("strips", traces(), layout, { displaylogo: false });
   }
 
   async function order(content) {
