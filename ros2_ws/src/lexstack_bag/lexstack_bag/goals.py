@@ -14,6 +14,7 @@ Verdict = Literal["reached", "not reached", "not judged", "not in this run"]
 PAPER_SEQUENCE = "transition-sequence"
 """The scenario that repeats the paper's Figs. 5 to 9."""
 
+_RESTING = "minimum_velocity"  # ends the name of such a task
 _RATIO = 2.3  # H, Sec. V-D
 _ROUNDING = 1e-4  # of a ratio that meets its limit exactly
 
@@ -195,13 +196,17 @@ def blend_text(phase: PhaseMetrics) -> str:
 
 
 def held_back(metrics: Metrics) -> list[str]:
-    """Return which level is held back at the end of which phase, and by what."""
+    """Return which level is held back at the end of which phase, and by what.
+
+    Levels that only ask for little velocity are left out: those above them move, so they always
+    are.
+    """
     return [
         f"{phase.title}: level {level.level} ({', '.join(level.residual)}) by "
         f"{', '.join(level.held_by)}"
         for phase in metrics.phases
         for level in phase.levels
-        if level.held_by
+        if level.held_by and not all(task.endswith(_RESTING) for task in level.residual)
     ]
 
 
