@@ -21,7 +21,10 @@ PHYSICS_PERIOD = 0.001
 """Length of a physics step [s]: T(40) runs at 1 kHz."""
 
 STOP_MARGIN = np.deg2rad(1.0)
-"""How far the arm's mechanical stops lie outside the position limits [rad] (assumed)."""
+"""How far the stops of joints that turn lie outside their position limits [rad] (assumed)."""
+
+SLIDE_STOP_MARGIN = 0.002
+"""The same of prismatic joints [m] (assumed)."""
 
 _AXES: dict[str, tuple[mujoco.mjtJoint, Vector]] = {
     f"JointModel{kind}{axis}": (joint, np.eye(3)[i])
@@ -134,7 +137,8 @@ def _add_joint(body: mujoco.MjsBody, robot: RobotModel, joint: int) -> None:
     )
     if np.isfinite(lower) and np.isfinite(upper):
         added.limited = mujoco.mjtLimited.mjLIMITED_TRUE
-        added.range = lower - STOP_MARGIN, upper + STOP_MARGIN
+        margin = SLIDE_STOP_MARGIN if robot.prismatic[index] else STOP_MARGIN
+        added.range = lower - margin, upper + margin
 
 
 def _set_inertia(body: mujoco.MjsBody, inertia: pin.Inertia) -> None:

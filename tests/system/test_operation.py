@@ -38,7 +38,7 @@ PUBLISHES = {
         *(f"/{r}/robot_description" for r in ROBOTS),
     },
     "hqp_controller": {
-        *("/robot_a/chi", "/robot_a/transition", "/robot_a/stack_request"),
+        *("/robot_a/chi", "/robot_a/transition", "/robot_a/stack_request", "/robot_a/scenario"),
         "/robot_a/references",
         *REFERENCES,
     },

@@ -13,13 +13,14 @@ setup(
     maintainer_email="lexstack@users.noreply.github.com",
     python_requires=">=3.11",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "report/assets/*"]},
+    package_data={PACKAGE: ["py.typed", "report/assets/*", "report/templates/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
     ],
     install_requires=[
         "imageio-ffmpeg",
+        "jinja2>=3.1",
         "lexstack-core",
         "mcap>=1.2",
         "numpy>=2",

@@ -155,24 +155,26 @@ class Maker:
             chi[0] = 0.06  # would be ratio 1, but for the gap
         return chi
 
-    def plant(self, tick: int) -> None:
-        self.put(
-            "/plant/state",
-            "lexstack_interfaces/msg/PlantState",
-            stamp=tick / RATE,
-            tick=tick,
-            robots=["robot_a", "robot_b"],
-            q=self.q(tick),
-            v=np.zeros(20),
-            q_star=self.q(tick),
-            command=self.chi(tick - 1) if tick else np.zeros(20),
-            commander="robot_a@host/1/0",
-            sender="plant@host/1/0",
-            resets=0,
-            status=0,
-            late_ticks=2 if tick > 350 else 0,
-            missing_ticks=0,
-        )
+    def state(self, tick: int) -> dict[str, Any]:
+        return {
+            "stamp": tick / RATE,
+            "tick": tick,
+            "robots": ["robot_a", "robot_b"],
+            "q": self.q(tick),
+            "v": np.zeros(20),
+            "q_star": self.q(tick),
+            "command": self.chi(tick - 1) if tick else np.zeros(20),
+            "commander": "robot_a@host/1/0",
+            "sender": "plant@host/1/0",
+            "resets": 0,
+            "status": 0,
+            "late_ticks": 2 if tick > 350 else 0,
+            "missing_ticks": 0,
+        }
+
+    def plant(self, tick: int, **fields: Any) -> None:
+        kind = "lexstack_interfaces/msg/PlantState"
+        self.put("/plant/state", kind, **(self.state(tick) | fields))
 
     def solution(self, robot: str, tick: int, **fields: Any) -> None:
         defaults = {
@@ -212,28 +214,34 @@ class Maker:
             failed = {"status": 2, "chi": np.zeros(0)} if tick == 120 else {}
             self.solution("robot_b", tick, solve_time=500e-6, **failed)
 
-    def transition(self, tick: int) -> None:
+    def transition(self, tick: int, **fields: Any) -> None:
         phase = int(
             np.searchsorted([90, TRIGGER, TRIGGER + 1, ADOPTED, ADOPTED + 1], tick, "right")
         )
         phase = (0, 1, 2, 3, 4, 0)[phase]
-        self.put(
-            "/robot_a/transition",
-            "lexstack_interfaces/msg/TransitionStatus",
-            stamp=tick / RATE,
-            tick=tick,
-            id=int(tick >= 90),
-            from_stack="track",
-            to_stack="reach_base" if tick >= 90 else "track",
-            source="robot_b" if TRIGGER <= tick <= ADOPTED else "",
-            method="bridge",
-            phase=phase,
-            alpha=float(np.clip((tick - TRIGGER) / 100, 0, 1)) if tick >= 90 else 1.0,
-            duration=1.0,
-            gap=0.0 if phase else np.nan,
-            reason="",
-            robots=["robot_a", "robot_b"],
-        )
+        defaults = {
+            "stamp": tick / RATE,
+            "tick": tick,
+            "id": int(tick >= 90),
+            "from_stack": "track",
+            "to_stack": "reach_base" if tick >= 90 else "track",
+            "source": "robot_b" if TRIGGER <= tick <= ADOPTED else "",
+            "method": "bridge",
+            "phase": phase,
+            "alpha": float(np.clip((tick - TRIGGER) / 100, 0, 1)) if tick >= 90 else 1.0,
+            "duration": 1.0,
+            "gap": 0.0 if phase else np.nan,
+            "reason": "",
+            "robots": ["robot_a", "robot_b"],
+        }
+        kind = "lexstack_interfaces/msg/TransitionStatus"
+        self.put("/robot_a/transition", kind, **(defaults | fields))
+
+    def tick(self, tick: int) -> None:
+        """All messages of one tick."""
+        self.plant(tick)
+        self.solutions(tick)
+        self.transition(tick)
 
 
 def write_bag(
@@ -242,14 +250,16 @@ def write_bag(
     *,
     close: bool = True,
     storage: Storage | None = None,
+    kind: type[Maker] = Maker,
+    facts: dict[str, str] | None = None,
 ) -> Synthetic:
-    writer = BagWriter(folder, run_facts(resolved), storage or Storage())
-    maker = Maker(writer, resolved)
+    writer = BagWriter(
+        folder, run_facts(resolved) if facts is None else facts, storage or Storage()
+    )
+    maker = kind(writer, resolved)
     maker.targets()
     for tick in range(TICKS):
-        maker.plant(tick)
-        maker.solutions(tick)
-        maker.transition(tick)
+        maker.tick(tick)
         if tick % 40 == 39:
             writer.flush()
     lost = {"/clock": 3, "/plant/state": 0}
@@ -268,6 +278,12 @@ def synthetic(tmp_path_factory: pytest.TempPathFactory, resolved: ResolvedScenar
 def write(resolved: ResolvedScenario) -> Callable[..., Synthetic]:
     """Write the run to a folder, stored as wished: ``write(folder, storage=..., close=...)``."""
     return lambda folder, **options: write_bag(folder, resolved, **options)
+
+
+@pytest.fixture(scope="session")
+def maker() -> type[Maker]:
+    """What writes the run, to be changed: ``write(folder, kind=...)``."""
+    return Maker
 
 
 @pytest.fixture(scope="session")

@@ -23,7 +23,12 @@ def test_the_whole_run(metrics, synthetic):
     assert metrics.rate_hz == 100.0
     assert metrics.ticks == 400
     assert metrics.late_ticks == 2
-    assert metrics.missing_ticks == 1
+    assert metrics.missing_ticks == 0  # the plant got all of them
+    assert metrics.commands_not_in_bag == 1
+    assert (metrics.states_not_in_bag, metrics.longest_gap_s) == (0, 0.0)
+    assert (metrics.holding_ticks, metrics.braking_ticks) == (0, 0)
+    assert metrics.doubts == ()
+    assert metrics.gaps == ("the commands of 1 tick are not in the bag, so peaks may be missing",)
     assert metrics.empty_bounds == 2
     assert metrics.solver_failures == 2
     assert metrics.recorder_lost == 3
@@ -84,5 +89,14 @@ def test_the_file_has_the_promised_keys(metrics):
         "recorder_lost",
         "sequences",
         "st_over_ht",
+        "holding_ticks",
+        "braking_ticks",
+        "states_not_in_bag",
+        "longest_gap_s",
+        "commands_not_in_bag",
+        "part",
+        "parts",
+        "doubts",
+        "gaps",
     ]
     assert "NaN" not in metrics.to_json()

@@ -164,3 +164,32 @@ def test_a_wrong_stack_is_named(levels, message):
     with pytest.raises(ConfigurationError) as error:
         build(StackConfig, {"name": "s", "description": "", "levels": levels}, "s.yaml")
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "advice"),
+    [
+        ("1.0e9", ", which YAML reads as text: write 1.0e+9"),
+        ("1e9", ", which YAML reads as text: write 1.0e+9"),
+        ("-2.5E3", ", which YAML reads as text: write -2.5e+3"),
+        ("1e-3", ", which YAML reads as text: write 1.0e-3"),
+        ("1.e3", ", which YAML reads as text: write 1.0e+3"),
+        (".5e2", ", which YAML reads as text: write 0.5e+2"),
+        ("fast", ""),
+        ("e9", ""),
+        ("9" * 400 + "e1", ""),
+    ],
+)
+def test_a_number_that_yaml_reads_as_text_is_told_how_to_write(text, advice):
+    rate = yaml.safe_load(f"rate: {text}")["rate"]
+    assert isinstance(rate, str)
+    data = yaml.safe_load(SCENARIO.read_text(encoding="utf-8")) | {"rate": rate}
+    with pytest.raises(ConfigurationError) as error:
+        build(ScenarioConfig, data, "s.yaml")
+    assert str(error.value).startswith("s.yaml: rate: expected float, got '")
+    assert str(error.value).rpartition("'")[2] == advice
+
+
+def test_what_the_advice_says_is_a_number_for_yaml():
+    assert yaml.safe_load("a: 1.0e+9") == {"a": 1.0e9}
+    assert yaml.safe_load("a: -2.5e+3") == {"a": -2500.0}

@@ -60,7 +60,8 @@ def test_a_takes_over_smoothly_from_a_late_b():
     assert sources[begins - 1] is Source.ROBOT_B
     told = run.record.commands[begins].transition
     assert told.alpha == 0.0
-    assert "off robot A's own: robot A blends on to its own" in told.reason
+    assert "(m/s, rad/s) off robot A's own: robot A blends on to its own" in told.reason
+    assert run.record.commands[-1].transition.reason == "", "told only while it blends"
     assert bend_of(run, begins) < 0.05
     assert run.record.commands[-1].transition.phase is Phase.IDLE
     assert max(run.record.sources) <= begins + 1, "B is no longer needed"

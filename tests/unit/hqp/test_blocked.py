@@ -1,5 +1,6 @@
 """What stands in a level's way: known answers, and what happens when the obstacle is taken away."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from lexstack_core.bounds import Bounds
 from lexstack_core.hqp import HqpProblem, blocked, describe
+from lexstack_core.hqp.blocked import _forces
 from lexstack_core.hqp.daqp_cascade import DaqpCascade
 from lexstack_core.linear import LinearTask
 from support.problems import problem
@@ -112,3 +114,34 @@ def test_without_the_strongest_bound_the_level_is_better_and_without_an_unnamed_
     assert slack_without(level.obstacles[0].joint) < before.slacks[0] - 1e-6
     for joint in set(range(12)) - named:
         assert slack_without(joint) == pytest.approx(before.slacks[0], abs=1e-8)
+
+
+def test_forces_of_one_sign_or_any_are_found_without_a_warning():
+    """Limits without an end, columns that stand twice or are zero: and the forces are optimal."""
+    rng = np.random.default_rng(0)
+    for _ in range(300):
+        rows, count = int(rng.integers(2, 12)), int(rng.integers(2, 16))
+        columns = rng.normal(size=(rows, count)) * (rng.random((rows, count)) < 0.6)
+        columns[:, 1] = columns[:, 0]
+        target = rng.normal(size=rows)
+        least = np.where(rng.random(count) < 0.5, 0.0, -INF)
+        most = np.where((least < 0.0) & (rng.random(count) < 0.5), 0.0, INF)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            forces = _forces(columns, target, (least, most))
+        assert (forces >= least - 1e-9).all()
+        assert (forces <= most + 1e-9).all()
+        pull = columns.T @ (target - columns @ forces)  # what a force would gain by growing
+        assert (pull[(most > 0.0) & (forces >= -1e-9)] < 1e-7).all()
+        assert (pull[(least < 0.0) & (forces <= 1e-9)] > -1e-7).all()
+
+
+def test_a_line_about_many_levels_and_obstacles_stays_short():
+    n = 30
+    levels = [(to(f"want{k}", 90.0, *np.roll(np.ones(n), k)),) for k in range(12)]
+    _, found = asked(*levels)
+    said = describe(found, [f"robot_a/joint{k}" for k in range(n)])
+    assert len(found) > 8
+    assert f"… and {len(found) - 4} more" in said
+    assert f"… and {n - 4} more" in said
+    assert len(said) < 1200

@@ -7,7 +7,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from lexstack_core.transition.status import Phase, Source, TransitionState
-from lexstack_ros.diagnostics import Diagnostics, Health
+from lexstack_ros.diagnostics import Diagnostics, Health, brief
 from lexstack_ros.journal import Journal
 from lexstack_ros.watch import Watch
 
@@ -89,3 +89,10 @@ def test_diagnostics_that_are_overdue_are_caught_up(node):
     diagnostics.catch_up()
     diagnostics.catch_up()
     assert len(asked) == 1
+
+
+def test_a_long_word_in_a_status_is_cut_and_says_how_long_it_was():
+    assert brief("short") == "short"
+    cut = brief("x" * 2000)
+    assert len(cut) == 500
+    assert cut.endswith("x… (2000 characters)")

@@ -13,9 +13,12 @@ from lexstack_bag.metrics import Metrics, PhaseMetrics
 
 RUN, MESSAGES = "run", "messages"
 """Groups of figures: of the whole run, and the counts of messages by topic."""
+TROUBLE = "not as it should be"
+"""In the setup: what was wrong with the runs or their bags; missing where nothing was."""
 
 _UNITS = {"mm": "mm", "mrad": "mrad", "s": "s", "us": "µs", "hz": "Hz"}
 _SETUP = ("scenario", "mode", "seed")
+_WORDS = ("parts", "doubts", "gaps", "part")  # no figures
 # Figures of which less is better; of the others a difference is only a difference.
 _LESS_IS_BETTER = (
     "error",
@@ -24,6 +27,10 @@ _LESS_IS_BETTER = (
     "completion",
     "late ticks",
     "missing ticks",
+    "holding ticks",
+    "braking ticks",
+    "not in bag",
+    "longest gap",
     "empty bounds",
     "failures",
     "solve",
@@ -98,6 +105,11 @@ def compare_metrics(
     """Return the differences of two runs; phases are paired by their stacks, in order."""
     one, other = asdict(first), asdict(second)
     setup = {key: (str(one.pop(key)), str(other.pop(key))) for key in _SETUP}
+    for key in _WORDS:
+        one.pop(key), other.pop(key)
+    doubts = tuple("; ".join(side.doubts + side.gaps) for side in (first, second))
+    if any(doubts):
+        setup[TROUBLE] = doubts[0] or "nothing", doubts[1] or "nothing"
     messages = (one.pop("messages"), other.pop("messages"))
     for key in ("phases", "sequences"):
         one.pop(key), other.pop(key)
@@ -105,7 +117,7 @@ def compare_metrics(
     for place, (left, right) in enumerate(_paired(first.phases, second.phases), start=1):
         either = left or right
         assert either is not None
-        group = f"phase {place}: {either.stack}"
+        group = f"phase {place}: {either.title}"
         differences += _differences(group, _figures(left), _figures(right))
     for place, (one_of, other_of) in enumerate(
         zip_longest(first.sequences, second.sequences), start=1
@@ -120,20 +132,22 @@ def compare_metrics(
 
 def summary_lines(comparison: Comparison) -> list[str]:
     """Return the figures that differ as lines of plain text, those of messages left out."""
-    first, second = (name[-20:] for name in comparison.names)
+    width = max(21, *(len(name) + 2 for name in comparison.names))
+    first, second = comparison.names
     shown = [entry for entry in comparison.differences if entry.group != MESSAGES]
     lines = [
         f"{key}: {one}" if one == other else f"{key}: {one} | {other}"
         for key, (one, other) in comparison.setup.items()
     ]
-    lines.append(f"{'':56}{first:>21}{second:>21}{'change':>12}  better")
+    lines.append(f"{'':56}{first:>{width}}{second:>{width}}{'change':>12}  better")
     for entry in shown:
         if entry.better == "same" or entry.first == entry.second:
             continue
         name = f"{entry.group}, {entry.figure}"
         name += f" [{entry.unit}]" if entry.unit else ""
-        figures = f"{_text(entry.first):>21}{_text(entry.second):>21}{_text(entry.change):>12}"
-        lines.append(f"{name:56}{figures}  {entry.better or ''}".rstrip())
+        numbers = f"{_text(entry.first):>{width}}{_text(entry.second):>{width}}"
+        change = f"{_text(entry.change):>12}"
+        lines.append(f"{name:56}{numbers}{change}  {entry.better or ''}".rstrip())
     same = sum(entry.first == entry.second for entry in shown)
     return [*lines, f"{same} of {len(shown)} figures are the same"]
 
@@ -153,7 +167,11 @@ def _paired(
 
 def _figures(phase: PhaseMetrics | None) -> dict[str, Any]:
     """Return a phase's figures by key; its stack is in its name."""
-    return {} if phase is None else {k: v for k, v in asdict(phase).items() if k != "stack"}
+    words = ("stack", "has_errors", "levels")
+    if phase is None:
+        return {}
+    left = {f"level {one.level} residual": one.residual for one in phase.levels}
+    return {k: v for k, v in asdict(phase).items() if k not in words} | left
 
 
 def _differences(
@@ -174,10 +192,10 @@ def _flat(tree: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], float | No
     for key, value in tree.items():
         if isinstance(value, Mapping):
             yield from (((key, *path), number) for path, number in _flat(value))
-        elif isinstance(value, int | float):
+        elif isinstance(value, int | float) and not isinstance(value, bool):
             yield (key,), value
 
 
 def _text(value: float | None) -> str:
-    """Return a number, or a dash."""
-    return "–" if value is None else f"{value:.4g}"
+    """Return a number, or that a run has no such figure."""
+    return "none" if value is None else f"{value:.4g}"

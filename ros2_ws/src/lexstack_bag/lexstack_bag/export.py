@@ -225,7 +225,7 @@ def _joints(name: str, values: Matrix, team: Team, kind: _Kind) -> dict[str, NDA
 def _entries(team: Team, kind: _Kind) -> Sequence[tuple[str, str, str]]:
     """Return robot, joint and unit of every entry of a vector over the joints."""
     return [
-        (robot.name, joint, kind.linear if place < 2 else kind.angular)
+        (robot.name, joint, kind.linear if slides else kind.angular)
         for robot in team.robots
-        for place, joint in enumerate(robot.joints)
+        for joint, slides in zip(robot.joints, robot.prismatic, strict=True)
     ]

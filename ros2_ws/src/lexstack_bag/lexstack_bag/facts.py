@@ -10,6 +10,9 @@ from pathlib import Path
 
 from lexstack_core.config.resolved import ResolvedScenario
 
+SCENARIO = "/robot_a/scenario"
+"""Where robot A publishes the resolved scenario, for recorders that are not lexstack's own."""
+
 _PACKAGES = {
     "lexstack": "lexstack-core",
     "numpy": "numpy",

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 from lexstack_bag.metrics import Metrics, PerRobot, PhaseMetrics
 from lexstack_bag.relations import TITLES
 
+Verdict = Literal["reached", "not reached", "not judged", "not in this run"]
+
 PAPER_SEQUENCE = "transition-sequence"
 """The scenario that repeats the paper's Figs. 5 to 9."""
 
+_RESTING = "minimum_velocity"  # ends the name of such a task
 _RATIO = 2.3  # H, Sec. V-D
 _ROUNDING = 1e-4  # of a ratio that meets its limit exactly
 
@@ -25,15 +29,27 @@ class Goal:
     unit: str
     value: float | None  # None: the run does not show it
     least: bool = False  # whether more is better
+    doubts: tuple[str, ...] = ()  # why it cannot be called reached, even within the limit
 
     @property
     def reached(self) -> bool | None:
-        """Whether the run is within the limit; None where it does not show the quantity."""
+        """Whether the run is within the limit; None where it does not show that beyond doubt."""
         if self.value is None:
             return None
         if self.least:
-            return self.value >= self.limit - _ROUNDING
-        return self.value <= self.limit + _ROUNDING
+            within = self.value >= self.limit - _ROUNDING
+        else:
+            within = self.value <= self.limit + _ROUNDING
+        return None if within and self.doubts else within
+
+    @property
+    def verdict(self) -> Verdict:
+        """The same in words."""
+        if self.value is None:
+            return "not in this run"
+        if self.reached is None:
+            return "not judged"
+        return "reached" if self.reached else "not reached"
 
     @property
     def goal(self) -> str:
@@ -45,7 +61,7 @@ class Goal:
     def ours(self) -> str:
         """The value in words."""
         if self.value is None:
-            return "–"
+            return "none"
         if 0.0 < self.value < 1e-3:
             return f"< 0.001 {self.unit}".strip()
         return f"{self.value:.4g} {self.unit}".strip()
@@ -56,9 +72,20 @@ def goals_of(metrics: Metrics) -> tuple[Goal, ...]:
 
     Only the paper's own sequence is held against the paper; of any other run only what must
     hold always: the command within its limits, and never an empty box; and that the sequences of
-    the HTMPC, if any, were completed.
+    the HTMPC, if any, were completed. No goal is reached in a run that braked, lost ticks or was
+    reset; nor one about every tick where the bag does not have every command.
     """
-    always = (
+    missing = metrics.gaps if metrics.commands_not_in_bag else ()
+    every_tick = _every_tick(metrics)
+    return tuple(
+        replace(goal, doubts=metrics.doubts + (missing if goal in every_tick else ()))
+        for goal in _all_goals(metrics, every_tick)
+    )
+
+
+def _every_tick(metrics: Metrics) -> tuple[Goal, ...]:
+    """Return the goals about every tick of a run."""
+    return (
         Goal(
             "Peak acceleration of the command / limit",
             "smooth by eye" if metrics.scenario == PAPER_SEQUENCE else "–",
@@ -68,19 +95,25 @@ def goals_of(metrics: Metrics) -> tuple[Goal, ...]:
         ),
         Goal("Ticks with an empty box of bounds", "–", 0.0, "", float(metrics.empty_bounds)),
     )
+
+
+def _all_goals(metrics: Metrics, always: tuple[Goal, ...]) -> tuple[Goal, ...]:
+    """Return the goals of a run, ``always`` among them."""
     if metrics.scenario != PAPER_SEQUENCE:
         return (*always, *_of_sequences(metrics))
     after_a = next((phase for phase in metrics.phases if phase.base_error_mm), None)
     last = metrics.phases[-1]
     switches = metrics.phases[1:]
-    unfinished = sum(phase.transition_s is None for phase in switches)
+    cancelled = sum(phase.outcome == "cancelled" for phase in switches)
+    unfinished = sum(phase.transition_s is None for phase in switches) - cancelled
+    told = f" ({cancelled} cancelled on request)" if cancelled else ""
     return (
         Goal("End-effector error after (A)", "< 10 mm", 2.0, "mm", _worst_ee(after_a)),
         Goal("Base error after (A)", "< 50 mm", 5.0, "mm", _worst_base(after_a)),
         Goal("Final end-effector error", "< 2 mm", 1.0, "mm", _worst_ee(last)),
         *always,
         Goal(
-            f"Switches not adopted, of {len(switches)}",
+            f"Switches not adopted, of {len(switches)}{told}",
             "0 of 3",
             0.0,
             "",
@@ -92,8 +125,11 @@ def goals_of(metrics: Metrics) -> tuple[Goal, ...]:
 def _of_sequences(metrics: Metrics) -> tuple[Goal, ...]:
     """Return the goals of a run with sequences of tasks."""
     count = sum(sequence.count for sequence in metrics.sequences)
-    left = count - sum(sequence.done for sequence in metrics.sequences)
-    done = Goal(f"Tasks of sequences not done, of {count}", "0", 0.0, "", float(left))
+    kept = [sequence for sequence in metrics.sequences if not sequence.cancelled]
+    left = sum(sequence.count - sequence.done for sequence in kept)
+    cancelled = len(metrics.sequences) - len(kept)
+    told = f" ({cancelled} cancelled on request)" if cancelled else ""
+    done = Goal(f"Tasks of sequences not done, of {count}{told}", "0", 0.0, "", float(left))
     ratio = Goal(
         "Time of ST-Arch / time of HT-Arch", "2.3", _RATIO, "", metrics.st_over_ht, least=True
     )
@@ -121,25 +157,57 @@ def summary_lines(metrics: Metrics) -> list[str]:
     """Return the goals and phases as lines of plain text."""
     lines = [f"{'':42} {'paper':>14} {'goal':>9} {'ours':>11}"]
     for goal in goals_of(metrics):
-        word = {True: "reached", False: "NOT reached", None: "not in this run"}[goal.reached]
+        word = goal.verdict.replace("not reached", "NOT reached")
         lines.append(f"{goal.quantity:42} {goal.paper:>14} {goal.goal:>9} {goal.ours:>11}  {word}")
+    lines += [f"not judged: {doubt}" for doubt in metrics.doubts]
+    lines += [f"gap: {gap}" for gap in metrics.gaps]
+    names = [phase.title for phase in metrics.phases]
+    width = max(16, *(len(name) + 1 for name in names))
     lines.append("")
     lines.append(
-        f"{'phase':20} {'start s':>8} {'settled s':>10} {'blend s':>8}"
-        f" {'EE mm':>17} {'base mm':>17} {'acc. ratio':>11}"
+        f"{'phase':{width}}{'start s':>9} {'settled s':>11} {'blend s':>11} "
+        f"{'EE mm':>20} {'base mm':>20} {'acc. ratio':>11}"
     )
     lines += [
-        f"{phase.stack:20} {phase.start_s:>8.2f} {_text(phase.settled_s):>10}"
-        f" {_text(phase.transition_s):>8} {_pair(phase.ee_error_mm):>17}"
-        f" {_pair(phase.base_error_mm):>17} {_text(phase.peak_acceleration_ratio, 3):>11}"
-        for phase in metrics.phases
+        f"{name:{width}}{phase.start_s:>9.2f} {settled_text(phase):>11} {blend_text(phase):>11} "
+        f"{_pair(phase.ee_error_mm):>20} {_pair(phase.base_error_mm):>20} "
+        f"{_text(phase.peak_acceleration_ratio, 3):>11}"
+        for name, phase in zip(names, metrics.phases, strict=True)
     ]
+    lines += [f"level held back: {text}" for text in held_back(metrics)]
     lines += _sequence_lines(metrics)
     for key, title in TITLES.items():
-        values = [(phase.stack, getattr(phase, key)) for phase in metrics.phases]
-        told = ", ".join(f"{stack} {_pair(found)}" for stack, found in values if found)
+        values = [(phase.title, getattr(phase, key)) for phase in metrics.phases]
+        told = ", ".join(f"{name} {_pair(found)}" for name, found in values if found)
         lines += [f"{title}: {told}"] if told else []
     return lines
+
+
+def settled_text(phase: PhaseMetrics) -> str:
+    """Return when a phase had settled [s], or why there is no such time."""
+    if phase.settled_s is not None:
+        return f"{phase.settled_s:.2f}"
+    return "never" if phase.has_errors else "–"
+
+
+def blend_text(phase: PhaseMetrics) -> str:
+    """Return how long a switch took [s], or what became of it; a dash: no switch."""
+    return f"{phase.transition_s:.2f}" if phase.transition_s is not None else phase.outcome or "–"
+
+
+def held_back(metrics: Metrics) -> list[str]:
+    """Return which level is held back at the end of which phase, and by what.
+
+    Levels that only ask for little velocity are left out: those above them move, so they always
+    are.
+    """
+    return [
+        f"{phase.title}: level {level.level} ({', '.join(level.residual)}) by "
+        f"{', '.join(level.held_by)}"
+        for phase in metrics.phases
+        for level in phase.levels
+        if level.held_by and not all(task.endswith(_RESTING) for task in level.residual)
+    ]
 
 
 def _sequence_lines(metrics: Metrics) -> list[str]:

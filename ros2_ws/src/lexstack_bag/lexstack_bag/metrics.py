@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lexstack_bag.levels import LevelMetrics, levels_of
 from lexstack_bag.measures import COMMANDER, Measures
 from lexstack_bag.phases import BASE_TASKS, EE_TASKS, Phase, tasks_of
 from lexstack_bag.relations import PerRobot, relations_of
-from lexstack_bag.run import Integers, Run, SolveStatus
+from lexstack_bag.run import Run, RunPart, SolveStatus
 from lexstack_bag.sequences import SequenceMetrics, ratio_of, sequences_of
-from lexstack_bag.settling import settled_after
+from lexstack_bag.settling import posture_errors, settled_after
+from lexstack_bag.wholeness import doubts_of, gaps_of, span_of, wholeness_of
 from lexstack_core.hqp import DAMPED, NEAR
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
@@ -31,8 +33,8 @@ class PhaseMetrics:
 
     stack: str
     start_s: float
-    settled_s: float | None  # from start_s until all errors stay in their band
-    transition_s: float | None  # from the trigger to the adoption
+    settled_s: float | None  # from start_s until all errors stay in their band; None: never
+    transition_s: float | None  # from the trigger to the adoption; None: not adopted
     ee_error_mm: PerRobot  # steady state
     ee_peak_error_mm: PerRobot
     base_error_mm: PerRobot | None  # steady state
@@ -44,6 +46,16 @@ class PhaseMetrics:
     relative_peak_error_mrad: PerRobot | None = None
     obstacle_distance_mm: PerRobot | None = None  # least, of the spheres; None without obstacles
     damped_share: float = 0.0  # of the command's ticks, with a level damped near a singularity
+    posture_error_mrad: PerRobot | None = None  # steady state, norm over the arm's joints
+    robots: tuple[str, ...] = ()  # that it is about; empty: all
+    outcome: str = ""  # adopted, cancelled, aborted, replaced, under way; empty: the first phase
+    has_errors: bool = True  # whether its stack has a task that can settle
+    levels: tuple[LevelMetrics, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """The stack, and the robots unless it is about all of them."""
+        return f"{self.stack} ({', '.join(self.robots)})" if self.robots else self.stack
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +67,8 @@ class Metrics:
     seed: int
     rate_hz: float
     ticks: int  # of the command, from the first to the last
-    late_ticks: int
-    missing_ticks: int
+    late_ticks: int  # as the plant counted
+    missing_ticks: int  # for which no command came in time, as the plant counted
     empty_bounds: int
     solver_failures: int
     peak_acceleration_ratio: float | None
@@ -68,6 +80,15 @@ class Metrics:
     sequences: tuple[SequenceMetrics, ...] = ()
     st_over_ht: float | None = None  # time of ST-Arch over that of HT-Arch, where both are there
     damped_share: float = 0.0  # of the command's ticks, with a level damped near a singularity
+    holding_ticks: int = 0  # states in which the plant held the last command
+    braking_ticks: int = 0  # states in which the plant braked
+    states_not_in_bag: int = 0  # ticks between the first and the last state
+    longest_gap_s: float = 0.0  # between two states
+    commands_not_in_bag: int = 0  # ticks from the first to the last command
+    part: int = 1  # of the bag that these figures are about: a reset begins a part
+    parts: tuple[RunPart, ...] = ()  # of the bag; none: it has no reset
+    doubts: tuple[str, ...] = ()  # why no goal can be called reached
+    gaps: tuple[str, ...] = ()  # what the bag does not have
 
     def to_json(self) -> str:
         """Return the text of ``metrics.json``; it never holds NaN."""
@@ -77,7 +98,7 @@ class Metrics:
 def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> Metrics:
     """Return the figures of a run."""
     scenario, command, team = run.resolved.scenario, run.chi[COMMANDER], run.team()
-    sequences = sequences_of(run)
+    sequences, whole = sequences_of(run), wholeness_of(run)
     solve_times = {name: chi.solve_time for name, chi in run.chi.items()}
     for robot, planning in run.planning.items():
         solve_times[f"htmpc, {robot}"] = planning.progress.solve_time
@@ -86,9 +107,7 @@ def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> 
         mode=scenario.mode,
         seed=scenario.seed,
         rate_hz=scenario.rate,
-        ticks=_span(command.tick),
-        late_ticks=_last(run.plant.late_ticks),
-        missing_ticks=_span(command.tick) - len(command.tick),
+        ticks=span_of(command.tick),
         empty_bounds=_empty_bounds(run),
         solver_failures=sum(
             int(np.count_nonzero(chi.status != SolveStatus.SOLVED)) for chi in run.chi.values()
@@ -109,6 +128,11 @@ def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> 
         sequences=sequences,
         st_over_ht=ratio_of(sequences),
         damped_share=_damped(run, np.ones(len(command.tick), dtype=np.bool_)),
+        part=run.part,
+        parts=run.parts,
+        doubts=doubts_of(run, whole),
+        gaps=gaps_of(whole),
+        **asdict(whole),
     )
 
 
@@ -118,6 +142,7 @@ def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetri
     steady = ticks & (measures.time >= phase.end - STEADY_WINDOW - 1e-6)
     ee = tasks_of(run, phase.stack, EE_TASKS)
     base = tasks_of(run, phase.stack, BASE_TASKS)
+    postures = posture_errors(run, team, phase.stack)
 
     def figures(errors: Matrix, rows: Any, take: Any, robots: Collection[str]) -> PerRobot:
         return {
@@ -128,7 +153,7 @@ def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetri
     return PhaseMetrics(
         stack=phase.stack,
         start_s=round(phase.start, 9),
-        settled_s=settled_after(run, measures, phase.stack, ticks, steady),
+        settled_s=settled_after(run, team, measures, phase, ticks, steady),
         transition_s=None if phase.adopted is None else round(phase.adopted - phase.start, 9),
         ee_error_mm=figures(measures.ee_error, steady, np.mean, ee),
         ee_peak_error_mm=figures(measures.ee_error, ticks, np.max, ee),
@@ -139,6 +164,18 @@ def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetri
         ),
         damped_share=_damped(run, phase.ticks(measures.command_time)),
         **asdict(relations_of(run, team, measures, phase.stack, ticks, steady)),
+        posture_error_mrad={
+            name: _number(np.mean(postures[name][steady]))
+            if name in postures and steady.any()
+            else None
+            for name in run.robots
+        }
+        if postures
+        else None,
+        robots=phase.robots,
+        outcome=phase.outcome,
+        has_errors=bool(ee or base or postures),
+        levels=levels_of(run, team, measures, phase, steady),
     )
 
 
@@ -154,16 +191,6 @@ def _empty_bounds(run: Run) -> int:
     command = run.chi[COMMANDER]
     empty = (command.lower > command.upper).any(axis=1) | (command.empty_bounds > 0)
     return int(np.count_nonzero(empty))
-
-
-def _span(ticks: Integers) -> int:
-    """Return the number of ticks from the first to the last, missing ones as well."""
-    return int(ticks[-1] - ticks[0]) + 1 if len(ticks) else 0
-
-
-def _last(counter: Integers) -> int:
-    """Return the final value of a counter, 0 without any."""
-    return int(counter[-1]) if len(counter) else 0
 
 
 def _peak(ratios: Matrix) -> float | None:

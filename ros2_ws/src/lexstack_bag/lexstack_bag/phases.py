@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import re
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,8 @@ BASE_TASKS = frozenset({"base"})
 POSTURE_TASKS = frozenset({"posture"})
 RELATIVE_TASKS = frozenset({"relative_pose"})
 
+_CANCELLED = re.compile(r"transitions? (\d+(?:, \d+)*) (?:was|were) cancelled")
+
 
 @dataclass(frozen=True, slots=True)
 class Phase:
@@ -27,6 +31,13 @@ class Phase:
     end: float  # s, the next trigger or the run's end; not part of it
     adopted: float | None  # s, when robot A took the stack over; None: never, or the first phase
     robots: tuple[str, ...] = ()  # that it is about; empty: all
+    # adopted, cancelled, aborted, replaced (by the next request), under way; empty: the first phase
+    outcome: str = field(default="", compare=False)
+
+    @property
+    def title(self) -> str:
+        """The stack, and the robots unless it is about all of them."""
+        return f"{self.stack} ({', '.join(self.robots)})" if self.robots else self.stack
 
     def ticks(self, time: Vector) -> NDArray[np.bool_]:
         """Return which of these times [s] lie in the phase."""
@@ -46,9 +57,17 @@ def find_phases(run: Run) -> tuple[Phase, ...]:
     initial = str(stack[0]) if len(stack) else run.resolved.scenario.initial_stack
     starts = [Phase(initial, first, end, None), *_switches(run, end)]
     return tuple(
-        replace(phase, end=next((n.start for n in starts[i + 1 :] if _touch(phase, n)), end))
+        _ended(phase, next((n.start for n in starts[i + 1 :] if _touch(phase, n)), None), end)
         for i, phase in enumerate(starts)
     )
+
+
+def _ended(phase: Phase, replaced: float | None, end: float) -> Phase:
+    """Return a phase with its end: when another one replaced it, or with the run at ``end``."""
+    if replaced is None:
+        return replace(phase, end=end)
+    outcome = "replaced" if phase.outcome == "under way" else phase.outcome
+    return replace(phase, end=replaced, outcome=outcome)
 
 
 def _touch(one: Phase, other: Phase) -> bool:
@@ -63,7 +82,7 @@ def _switches(run: Run, end: float) -> list[Phase]:
     """
     status = run.transition
     under_way = np.isin(status.phase, (TransitionPhase.PREPARING, TransitionPhase.BLENDING))
-    switches = []
+    switches, cancelled = [], cancelled_ids(run)
     for number in sorted(set(status.id[under_way].tolist())):
         mine = status.id == number
         trigger = int(np.flatnonzero(mine & under_way)[0])
@@ -73,9 +92,31 @@ def _switches(run: Run, end: float) -> list[Phase]:
         adopted = float(status.stamp[arrived][0]) if arrived.any() else None
         names = str(status.robots[trigger]).split() if len(status.robots) else []
         robots = () if set(names) == set(run.robots) else tuple(names)
-        switches.append(Phase(target, float(status.stamp[trigger]), end, adopted, robots))
+        aborted = bool((mine & (status.phase == TransitionPhase.ABORTED)).any())
+        outcome = _outcome(number, cancelled, adopted=adopted is not None, aborted=aborted)
+        start = float(status.stamp[trigger])
+        switches.append(Phase(target, start, end, adopted, robots, outcome))
     # Numbers count requests; one that names a later tick may begin after its successor.
     return sorted(switches, key=lambda switch: switch.start)
+
+
+def _outcome(number: int, cancelled: Collection[int], *, adopted: bool, aborted: bool) -> str:
+    """Return what became of a switch, as far as its own messages tell."""
+    if adopted:
+        return "adopted"
+    if number in cancelled:
+        return "cancelled"
+    return "aborted" if aborted else "under way"
+
+
+def cancelled_ids(run: Run) -> frozenset[int]:
+    """Return the numbers of the transitions that a user cancelled, as robot A says."""
+    status = run.transition
+    aborted = status.phase == TransitionPhase.ABORTED
+    texts = [_CANCELLED.match(text) for text in set(status.reason[aborted].tolist())]
+    return frozenset(
+        int(number) for found in texts if found for number in found.group(1).split(", ")
+    )
 
 
 def tasks_of(run: Run, stack: str, types: frozenset[str]) -> dict[str, TaskConfig]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from array import array
+from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from lexstack_bag.columns import StreamBuilder, seconds
 from lexstack_bag.container import Container, Progress, RawMessage, find_files
 from lexstack_bag.errors import BagError
+from lexstack_bag.facts import SCENARIO
 from lexstack_bag.loss import LossCounter
 from lexstack_bag.parts import ChiBuilder
 from lexstack_bag.planning import PlanningCollector
@@ -23,6 +26,7 @@ from lexstack_bag.references import is_usable
 from lexstack_bag.run import (
     PlantStream,
     Run,
+    RunPart,
     StackRequested,
     Target,
     TransitionStream,
@@ -49,7 +53,7 @@ _TARGETS = {"ee_target": "ee", "base_target": "base"}
 
 
 def read_run(path: Path, progress: Progress = lambda _part: None, *, plans: bool = True) -> Run:
-    """Return the run in a bag.
+    """Return the run in a bag; of a bag with resets of the plant the part after the last one.
 
     Args:
         path: a run folder, a bag folder or an .mcap file.
@@ -59,26 +63,72 @@ def read_run(path: Path, progress: Progress = lambda _part: None, *, plans: bool
     Raises:
         BagError: nothing there, not readable, or not recorded by lexstack.
     """
+    return read_parts(path, progress, plans=plans)[-1]
+
+
+def read_parts(
+    path: Path, progress: Progress = lambda _part: None, *, plans: bool = True
+) -> tuple[Run, ...]:
+    """Return the parts of a bag in their order: a reset of the plant begins a new one.
+
+    Args and errors are those of ``read_run``.
+    """
     files = find_files(path)
     container = Container(files)
     facts, resolved = read_facts(container)
-    collector = _Collector(resolved, plans=plans)
+    team = Team.from_scenario(resolved)
+    collector = _Collector(resolved, team, plans=plans)
+    # When the first state of each part was sent [ns since 1970].
+    begins = [each.publish_time for each in container.messages(progress) if collector.add(each)]
+    if len(begins) < 2:
+        return (collector.run(files[0], facts, container),)
+    collectors = [_Collector(resolved, team, plans=plans) for _ in begins]
+    begins = np.maximum.accumulate(begins).tolist()
     for message in container.messages(progress):
-        collector.add(message)
-    return collector.run(files[0], facts, container)
+        # Topics arrive in any order: the time of sending says which part a message belongs to.
+        collectors[max(bisect_right(begins, message.publish_time) - 1, 0)].add(message)
+    runs = [each.run(files[0], facts, container) for each in collectors if each.has_states]
+    parts = tuple(
+        RunPart(len(run.plant.tick), float(run.plant.stamp[0]), float(run.plant.stamp[-1]))
+        for run in runs
+    )
+    lost = _lost(container, collector.losses)
+    return tuple(
+        replace(run, part=number, parts=parts, lost=lost) for number, run in enumerate(runs, 1)
+    )
 
 
 def read_facts(container: Container) -> tuple[dict[str, str], ResolvedScenario]:
-    """Return what a bag says about its run, and the scenario; raises BagError for a foreign bag."""
+    """Return what a bag says about its run, and the scenario.
+
+    The scenario stands in a Metadata record if lexstack's recorder wrote the bag; in any other bag
+    it is the message that robot A publishes.
+
+    Raises:
+        BagError: the bag has neither.
+    """
     path = container.files[0]
     facts = container.first_metadata(SCENARIO_RECORD)
-    if "scenario" not in facts:
-        raise BagError(f"{path}: not a lexstack bag (no Metadata record {SCENARIO_RECORD!r})")
+    text = facts.pop("scenario", None) or _published_scenario(container)
+    if text is None:
+        raise BagError(
+            f"{path}: not a lexstack bag: it holds neither a Metadata record {SCENARIO_RECORD!r} "
+            f"nor a message of {SCENARIO}; record that topic too (ros2 bag record -a does)"
+        )
     try:
-        resolved = ResolvedScenario.from_yaml(facts.pop("scenario"), f"{path}: scenario", _SINCE)
+        resolved = ResolvedScenario.from_yaml(text, f"{path}: scenario", _SINCE)
     except ConfigurationError as error:
         raise BagError(str(error)) from error
     return facts, resolved
+
+
+def _published_scenario(container: Container) -> str | None:
+    """Return the scenario that robot A published, or None; raises BagError."""
+    decode = Decoder()
+    for message in container.messages():
+        if message.topic == SCENARIO:
+            return str(getattr(decode(message), "data", ""))
+    return None
 
 
 class Decoder:
@@ -100,14 +150,13 @@ class Decoder:
 
 
 class _Collector:
-    """Sorts a bag's messages: takes apart what analysis needs, counts all of them."""
+    """Sorts the messages of a part: takes apart what analysis needs, counts all of them."""
 
-    def __init__(self, resolved: ResolvedScenario, *, plans: bool) -> None:
+    def __init__(self, resolved: ResolvedScenario, team: Team, *, plans: bool) -> None:
         """Start empty; ``plans`` as in ``read_run``."""
         self._resolved = resolved
-        team = Team.from_scenario(resolved)
         self._counts: dict[str, int] = defaultdict(int)
-        self._losses: dict[str, LossCounter] = defaultdict(LossCounter)
+        self.losses: dict[str, LossCounter] = defaultdict(LossCounter)
         self._plant = StreamBuilder(PlantStream, team.n, "first")
         self._transition = StreamBuilder(TransitionStream, team.n, "all")
         self._chi = {f"/{controller}/chi": ChiBuilder(team) for controller in CONTROLLERS}
@@ -119,19 +168,22 @@ class _Collector:
         self._commanded: tuple[array[int], array[int]] = array("q"), array("q")  # time, tick
         self._decode = Decoder()
         self._now = 0.0  # s, stamp of the last plant state
+        self._resets: int | None = None  # told by the last plant state
 
-    def add(self, message: RawMessage) -> None:
-        """Take one message."""
+    @property
+    def has_states(self) -> bool:
+        """Whether a state of the plant has come."""
+        return self._resets is not None
+
+    def add(self, message: RawMessage) -> bool:
+        """Take one message; return whether it begins a part: the first state, or after a reset."""
         topic = message.topic
         self._counts[topic] += 1
         if message.sequence:
-            self._losses[topic].see(message.sequence)
+            self.losses[topic].see(message.sequence)
         if topic == PLANT_STATE:
-            state = self._decode(message)
-            self._now = seconds(state.header.stamp)
-            if self._plant.add(state):
-                self._begin_anew()
-        elif topic in self._chi:
+            return self._add_state(self._decode(message))
+        if topic in self._chi:
             chi = self._decode(message)
             self._chi[topic].add(chi, message.publish_time)
             if topic == COMMAND:
@@ -145,6 +197,17 @@ class _Collector:
             self._requested.append((message.publish_time, self._decode(message)))
         elif not self._planning.add(topic, partial(self._decode, message), message.publish_time):
             self._add_target(message)
+        return False
+
+    def _add_state(self, state: Any) -> bool:
+        """Take a state of the plant; return as ``add``."""
+        self._now = seconds(state.header.stamp)
+        # The count tells also of a reset whose first states the bag does not have.
+        before, self._resets = self._resets, int(getattr(state, "resets", 0))
+        went_back = self._plant.add(state)
+        if went_back:
+            self._begin_anew()
+        return went_back or before != self._resets
 
     def run(self, path: Path, facts: dict[str, str], container: Container) -> Run:
         """Return the Run of all that was collected; raises BagError without a plant."""
@@ -161,7 +224,7 @@ class _Collector:
             self._transition.build(),
             tuple(self._targets),
             dict(sorted(self._counts.items())),
-            _lost(container, self._losses),
+            _lost(container, self.losses),
             container.complete,
             self._requests(),
             {node: replaced for node, (_, replaced) in chi.items()},
@@ -185,8 +248,8 @@ class _Collector:
         try:
             at = seconds(value.header.stamp)
             setting = decode(at, value.revision, vectors, robots, DECISIONS)
-        except InputError as error:
-            raise BagError(str(error)) from error
+        except InputError:
+            return  # robot B refused it, too
         if self._settings and setting.at < self._settings[-1].at:
             self._settings.clear()
         self._settings.append(setting)

@@ -25,9 +25,13 @@ TITLES = {
     "relative_error_mm": "object [mm]",
     "relative_peak_error_mm": "object, peak [mm]",
     "relative_peak_error_mrad": "object, peak [mrad]",
-    "obstacle_distance_mm": "nearest obstacle [mm]",
+    "obstacle_distance_mm": "nearest obstacle [mm; below 0: a sphere overlaps it]",
+    "posture_error_mrad": "posture [mrad]",
 }
-"""What tables show of the figures below, and under which title."""
+"""What tables show of a phase besides errors of tools and bases, and under which title.
+
+Distances are those of the spheres that stand for a robot, which stick out beyond its shape.
+"""
 
 
 @dataclass(frozen=True, slots=True)

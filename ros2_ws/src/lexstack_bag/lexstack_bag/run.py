@@ -47,6 +47,15 @@ class SolveStatus(IntEnum):
     FAILED = 2
 
 
+class PlantStatus(IntEnum):
+    """``status`` of ``PlantState``."""
+
+    FOLLOWING = 0
+    HOLDING = 1
+    BRAKING = 2
+    PAUSED = 3
+
+
 @dataclass(frozen=True, slots=True)
 class PlantStream:
     """``/plant/state``, one row per tick, ticks ascending."""
@@ -57,7 +66,7 @@ class PlantStream:
     v: Matrix  # (T, n) measured
     q_star: Matrix  # (T, n) Euler integral of the commands
     command: Matrix  # (T, n) the chi that was accepted last
-    status: Integers  # (T,)
+    status: Integers  # (T,) of PlantStatus
     late_ticks: Integers  # (T,) so far
     missing_ticks: Integers  # (T,) so far
 
@@ -187,8 +196,17 @@ class Planning:
 
 
 @dataclass(frozen=True, slots=True)
+class RunPart:
+    """One part of a bag: a reset of the plant ends it and begins the next one."""
+
+    states: int  # of the plant, in the bag
+    start_s: float  # simulated, of its first state
+    end_s: float  # simulated, of its last state
+
+
+@dataclass(frozen=True, slots=True)
 class Run:
-    """Everything that analysis takes from a bag."""
+    """Everything that analysis takes from a bag; of a bag with resets from one of its parts."""
 
     path: Path  # of the first .mcap file
     facts: dict[str, str]  # the Metadata record `lexstack`: versions, mode, seed
@@ -205,6 +223,8 @@ class Run:
     replaced: dict[str, ChiStream] = field(default_factory=dict)
     planning: dict[str, Planning] = field(default_factory=dict)  # by robot, of those with plans
     settings: tuple[Setting, ...] = ()  # robot A's decisions on references; older bags have none
+    part: int = 1  # which one of ``parts`` this is, from 1
+    parts: tuple[RunPart, ...] = ()  # of the whole bag; none: there was no reset
 
     @property
     def period(self) -> float:

@@ -42,6 +42,7 @@ class SequenceMetrics:
     failed_plans: int
     level_error_mm: dict[str, float | None]  # mean distance from the reference, by level
     tasks: tuple[TaskTime, ...]
+    cancelled: bool = False  # by a user, before all its tasks were done
 
     @property
     def title(self) -> str:
@@ -52,7 +53,7 @@ class SequenceMetrics:
 def sequences_of(run: Run) -> tuple[SequenceMetrics, ...]:
     """Return the sequences in the order in which they began."""
     found = [
-        _figures(robot, planning.progress, rows)
+        _figures(robot, planning, rows)
         for robot, planning in run.planning.items()
         for rows in executions(planning)
     ]
@@ -93,8 +94,17 @@ def goals_in(planning: Planning) -> dict[str, SequenceTask]:
     return {task.name: task for event in planning.events for task in event.tasks}
 
 
-def _figures(robot: str, progress: ProgressStream, rows: NDArray[np.int64]) -> SequenceMetrics:
+def _is_cancelled(planning: Planning, rows: NDArray[np.int64]) -> bool:
+    """Return whether a user cancelled the sequence that these rows of progress are about."""
+    first = int(planning.progress.tick[rows[0]])
+    begins = [e.tick for e in planning.events if e.event in _BEGINNINGS and e.tick > first]
+    end = min(begins, default=np.iinfo(np.int64).max)
+    return any(e.event == "cancel" and first <= e.tick < end for e in planning.events)
+
+
+def _figures(robot: str, planning: Planning, rows: NDArray[np.int64]) -> SequenceMetrics:
     """Return the figures of one sequence."""
+    progress = planning.progress
     first, last = rows[0], rows[-1]
     under_way = rows[progress.index[rows] < progress.count[rows]]
     over = rows[progress.index[rows] >= progress.count[rows]]
@@ -117,6 +127,7 @@ def _figures(robot: str, progress: ProgressStream, rows: NDArray[np.int64]) -> S
             if np.isfinite(column).any()
         },
         tuple(_tasks(progress, rows)),
+        not len(over) and _is_cancelled(planning, rows),
     )
 
 

@@ -57,7 +57,7 @@ class LiveNode:
 LIVE: dict[str, LiveNode] = {
     "robot_a": LiveNode(
         "hqp_controller",
-        ("/robot_a/chi", "/robot_a/transition", "/robot_a/stack_request"),
+        ("/robot_a/chi", "/robot_a/transition", "/robot_a/stack_request", "/robot_a/scenario"),
         "lexstack_ros.nodes.hqp_controller",
     ),
     "robot_b": LiveNode("stack_solver", ("/robot_b/chi",), "lexstack_ros.nodes.stack_solver"),

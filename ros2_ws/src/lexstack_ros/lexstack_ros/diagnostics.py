@@ -13,6 +13,8 @@ from rclpy.node import Node
 OURS = "lexstack"
 """The hardware_id of every status of ours."""
 
+_LONGEST = 500  # characters of a message or value
+
 
 @dataclass(frozen=True, slots=True)
 class Health:
@@ -61,6 +63,14 @@ def all_of(*complaints: str) -> str:
     return "; ".join(complaint for complaint in complaints if complaint)
 
 
+def brief(text: str) -> str:
+    """Return a text as it may stand in a status: a long one cut, with how long it was."""
+    if len(text) <= _LONGEST:
+        return text
+    tail = f"… ({len(text)} characters)"
+    return text[: _LONGEST - len(tail)] + tail
+
+
 class Diagnostics:
     """Publishes a node's health to /diagnostics."""
 
@@ -85,9 +95,9 @@ class Diagnostics:
         status = DiagnosticStatus(
             level=DiagnosticStatus.WARN if health.message else DiagnosticStatus.OK,
             name=self._node.get_name(),
-            message=health.message or "ok",
+            message=brief(health.message) or "ok",
             hardware_id=OURS,
-            values=[KeyValue(key=key, value=value) for key, value in health.values.items()],
+            values=[KeyValue(key=key, value=brief(value)) for key, value in health.values.items()],
         )
         array = DiagnosticArray(status=[status])
         array.header.stamp = self._node.get_clock().now().to_msg()

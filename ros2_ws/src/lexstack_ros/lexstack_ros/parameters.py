@@ -8,10 +8,14 @@ from typing import Any
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.exceptions import ParameterException
 from rclpy.node import Node
+from rclpy.publisher import Publisher
+from std_msgs.msg import String
 
+from lexstack_bag.facts import SCENARIO
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.config.yaml_text import read_text
 from lexstack_core.errors import ConfigurationError
+from lexstack_ros.qos import LATCHED
 
 
 def text_parameter(node: Node, name: str, description: str, default: str | None = None) -> str:
@@ -52,3 +56,10 @@ def scenario_parameter(node: Node) -> ResolvedScenario:
     """Return the resolved scenario whose file the parameter ``scenario`` names."""
     path = Path(text_parameter(node, "scenario", "file of the resolved scenario"))
     return ResolvedScenario.from_yaml(read_text(path), str(path))
+
+
+def tell_scenario(node: Node, resolved: ResolvedScenario) -> Publisher:
+    """Publish the resolved scenario, latched, so that a bag of any recorder can be analysed."""
+    out = node.create_publisher(String, SCENARIO, LATCHED)
+    out.publish(String(data=resolved.to_yaml()))
+    return out

@@ -1,6 +1,8 @@
 """Analyses the bag of a run: writes metrics.json and report.html, prints the table.
 
-With two bags it analyses both, and writes and prints how their figures differ.
+With two bags it analyses both, and writes and prints how their figures differ. A reset of the plant
+begins a part of a bag: the last part's files stand in the folder, those of part 1 in part-1, and so
+on.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from lexstack_bag.measures import Measures, measure
 from lexstack_bag.metrics import Metrics, compute_metrics
 from lexstack_bag.phases import Phase, find_phases
 from lexstack_bag.progress import ProgressBar
-from lexstack_bag.reader import read_run
+from lexstack_bag.reader import read_parts
 from lexstack_bag.report.build import write_report
 from lexstack_bag.report.comparison import Side, write_comparison
 from lexstack_bag.report.video import write_video
@@ -29,6 +31,7 @@ from lexstack_bag.run import Run
 from lexstack_core.errors import LexstackError
 
 BAD_ARGUMENT, INTERRUPTED = 2, 130
+_MOST_PARTS = 20  # of a bag with resets, besides the last one
 
 
 Say = Callable[[str], None]
@@ -46,16 +49,36 @@ class Analysis:
 
     @classmethod
     def of(cls, bag: Path, say: Say = lambda _line: None) -> Analysis:
-        """Analyse a run folder, a bag folder or an .mcap file; raises BagError."""
-        run = read_run(bag, ProgressBar("reading"), plans=False)
-        total = sum(run.messages.values())
-        cut = "" if run.complete else "; the file ends before its end"
-        say(f"read {total} messages of {len(run.messages)} topics from {run.path.name}{cut}")
+        """Analyse a bag; of one with resets the part after the last reset. Raises BagError."""
+        return cls.of_run(_read(bag, say)[-1], say)
+
+    @classmethod
+    def of_run(cls, run: Run, say: Say = lambda _line: None) -> Analysis:
+        """Analyse a run, or a part of a bag."""
         measures = measure(run, ProgressBar("computing"))
         phases = find_phases(run)
         metrics = compute_metrics(run, measures, phases)
-        say(f"computed the figures of {metrics.ticks} ticks in {len(phases)} phases")
+        part = f"part {run.part} of {len(run.parts)}: " if run.parts else ""
+        say(f"{part}computed the figures of {metrics.ticks} ticks in {len(phases)} phases")
         return cls(run, measures, phases, metrics)
+
+
+def _read(bag: Path, say: Say) -> tuple[Run, ...]:
+    """Return the parts of a run folder, a bag folder or an .mcap file; raises BagError."""
+    runs = read_parts(bag, ProgressBar("reading"), plans=False)
+    last = runs[-1]
+    total = sum(sum(run.messages.values()) for run in runs)
+    topics = {topic for run in runs for topic in run.messages}
+    cut = "" if last.complete else "; the file ends before its end"
+    say(f"read {total} messages of {len(topics)} topics from {last.path.name}{cut}")
+    if len(runs) > 1:
+        say(f"the plant was reset: the bag has {len(runs)} parts, {', '.join(_states(runs))}")
+    return runs
+
+
+def _states(runs: Sequence[Run]) -> list[str]:
+    """Return how many states of the plant each part has, in words."""
+    return [f"part {number}: {len(run.plant.tick)} states" for number, run in enumerate(runs, 1)]
 
 
 def analyze(bag: Path, out: Path | None = None, progress: Say = lambda _line: None) -> Metrics:
@@ -67,14 +90,25 @@ def analyze(bag: Path, out: Path | None = None, progress: Say = lambda _line: No
         progress: told what happens, in single lines.
 
     Returns:
-        The figures that were written.
+        The figures that were written; of a bag with resets those of the last part.
 
     Raises:
         BagError: the bag cannot be read, or the results cannot be written.
     """
-    analysis = Analysis.of(bag, progress)
-    write(analysis, out or run_folder(analysis.run.path), progress)
-    return analysis.metrics
+    runs = _read(bag, progress)
+    return _write_parts(runs, out or run_folder(runs[-1].path), progress).metrics
+
+
+def _write_parts(runs: Sequence[Run], folder: Path, say: Say) -> Analysis:
+    """Write the files of all parts of a bag; return the analysis of the last one."""
+    for number, run in enumerate(runs[:-1], 1):
+        if number > _MOST_PARTS:
+            say(f"left out: parts {number} to {len(runs) - 1}, of more than {_MOST_PARTS} parts")
+            break
+        write(Analysis.of_run(run, say), folder / f"part-{number}", say)
+    last = Analysis.of_run(runs[-1], say)
+    write(last, folder, say)
+    return last
 
 
 def write(analysis: Analysis, folder: Path, say: Say) -> None:
@@ -147,14 +181,14 @@ def _run(options: argparse.Namespace, say: Say) -> int:
         comparison = compare(options.bag, options.other, options.out, say)
         print("\n" + "\n".join(difference_lines(comparison)))
         return 0
-    analysis = Analysis.of(options.bag, say)
-    for folder, export in ((options.csv, write_csv), (options.parquet, write_parquet)):
-        if folder is not None:
+    runs = _read(options.bag, say)
+    folder = options.out or run_folder(runs[-1].path)
+    analysis = _write_parts(runs, folder, say)
+    for tables, export in ((options.csv, write_csv), (options.parquet, write_parquet)):
+        if tables is not None:
             bar = ProgressBar("writing tables")
-            paths = export(folder, analysis.run, analysis.measures, bar)
-            say(f"wrote {', '.join(path.name for path in paths)} to {folder}")
-    folder = options.out or run_folder(analysis.run.path)
-    write(analysis, folder, say)
+            paths = export(tables, analysis.run, analysis.measures, bar)
+            say(f"wrote {', '.join(path.name for path in paths)} to {tables}")
     if options.video:
         bar = ProgressBar("rendering")
         film = folder / "video.mp4"

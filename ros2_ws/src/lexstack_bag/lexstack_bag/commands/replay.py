@@ -23,6 +23,7 @@ from lexstack_bag.replay.outcome import Outcome
 from lexstack_bag.replay.planner import PLANNER
 from lexstack_bag.replay.question import Question
 from lexstack_bag.run import Run
+from lexstack_bag.wholeness import other_parts
 from lexstack_core.errors import LexstackError
 
 DIFFERENT, BAD_ARGUMENT, INTERRUPTED = 1, 2, 130
@@ -85,6 +86,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     changes = Changes(tuple(options.set), options.method, options.stack, options.solver)
     try:
         run, outcomes = replay(options.bag, changes, options.node)
+        for part in other_parts(run):
+            print(f"the plant was reset: replayed part {run.part}, left out {part}")
         print("\n".join(outcome.line() for outcome in outcomes))
         if changes:
             print(f"with {changes}, at the recorded states (open loop)")

@@ -13,8 +13,6 @@ from lexstack_bag.run import Integers
 from lexstack_core.linear import Matrix, Vector
 from lexstack_core.model import Team
 
-_LINEAR = 2  # the first joints of a base move along x and y
-
 
 @dataclass(frozen=True, slots=True)
 class Joint:
@@ -27,9 +25,9 @@ class Joint:
 def joints_of(team: Team) -> tuple[Joint, ...]:
     """Return names and units of all joints, in the order of chi."""
     return tuple(
-        Joint(f"{robot.name}/{joint}", "m/s" if place < _LINEAR else "rad/s")
+        Joint(f"{robot.name}/{joint}", "m/s" if slides else "rad/s")
         for robot in team.robots
-        for place, joint in enumerate(robot.joints)
+        for joint, slides in zip(robot.joints, robot.prismatic, strict=True)
     )
 
 

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import ArrayLike
 
 from lexstack_bag.phases import Phase
 from lexstack_bag.report.figure import Figure
-from lexstack_bag.report.layout import single, stacked
+from lexstack_bag.report.layout import TIME, single, stacked
 from lexstack_bag.report.traces import DASHES, GREY, SERIES, Plain, extremes, typed
 
 _MOST_POINTS = 3000  # of a path or a series
@@ -71,7 +72,7 @@ def paths_from_above(
     Args:
         name: the figure's HTML id.
         title: heading.
-        caption: HTML.
+        caption: plain text, or Markup.
         paths: lines; each begins with a dot.
         targets: points by name, x and y [m].
         obstacles: circles: x, y, radius [m].
@@ -122,7 +123,7 @@ def timeline(
     Args:
         name: the figure's HTML id.
         title: heading.
-        caption: HTML.
+        caption: plain text, or Markup.
         spans: in any order.
         whole: begin and end of the time axis [s].
     """
@@ -157,7 +158,7 @@ def timeline(
                 },
             }
         )
-    layout = single("simulated time [s]", "", 44 * len(lanes))
+    layout = single(TIME, "", 44 * len(lanes))
     layout["xaxis"] |= {"range": list(whole)}
     layout["yaxis"] |= {"categoryorder": "array", "categoryarray": lanes[::-1], "automargin": True}
     layout |= {"barmode": "overlay", "hovermode": "closest", "bargap": 0.25}
@@ -179,7 +180,7 @@ def series(
     Args:
         name: the figure's HTML id.
         title: heading.
-        caption: HTML.
+        caption: plain text, or Markup.
         time: s, shape (k,), in even steps.
         rows: for each plot its axis title without unit, the unit, and the values, shape (k,), by
             name; nan where there is none.
@@ -227,7 +228,7 @@ def _plane(name: str, x: Any, y: Any) -> Plain:
         "legendgroup": name,
         "x": typed(x),
         "y": typed(y),
-        "hovertemplate": "x %{x:.3f} m<br>y %{y:.3f} m",
+        "hovertemplate": Markup("x %{x:.3f} m<br>y %{y:.3f} m"),
     }
 
 

@@ -9,10 +9,12 @@ from lexstack_bag.measures import Measures
 from lexstack_bag.metrics import Metrics
 from lexstack_bag.phases import Phase
 from lexstack_bag.report import control, motion, sequences, switches, view
+from lexstack_bag.report.bands import with_bands
 from lexstack_bag.report.page import page
 from lexstack_bag.report.pictures import pictures
 from lexstack_bag.report.traces import Grid
 from lexstack_bag.run import Run
+from lexstack_bag.wholeness import bands_of
 
 
 def write_report(
@@ -38,6 +40,8 @@ def write_report(
         control.smoothness(run, measures, phases, grid),
         control.bounds(run, phases, grid),
     ]
+    bands = bands_of(run)
+    figures = [with_bands(figure, bands) for figure in figures]
     progress(f"drew {len(figures)} figures")
     moving, no_view = view.view(run, measures, phases)
     if no_view:

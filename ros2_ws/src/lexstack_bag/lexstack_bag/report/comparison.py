@@ -5,28 +5,33 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
-from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
-from lexstack_bag.compare import MESSAGES, Comparison, Difference
+from lexstack_bag.compare import MESSAGES, TROUBLE, Comparison, Difference
 from lexstack_bag.measures import COMMANDER, Measures
 from lexstack_bag.phases import Phase
 from lexstack_bag.report import control, tables
+from lexstack_bag.report.bands import with_bands
 from lexstack_bag.report.figure import Figure
+from lexstack_bag.report.html import render
 from lexstack_bag.report.layout import level, stacked
 from lexstack_bag.report.page import document, figure_html
-from lexstack_bag.report.traces import SERIES, VERMILLION, Plain, extremes, line, typed
+from lexstack_bag.report.traces import ROBOTS, SERIES, VERMILLION, Plain, extremes, line, typed
 from lexstack_bag.run import Names, Run
+from lexstack_bag.wholeness import Band, bands_of
 from lexstack_core.linear import Vector
 
 _BEFORE = 0.5  # s, shown before a switch
 _MOST_SAMPLES = 2500  # of one trace
 _MOST_SWITCHES = 12
 _DASHES = ("solid", "dash")  # of the first run and of the second
+_SINCE, _SINCE_FIRST = "time since the switch [s]", "time since the first switch [s]"
+_ORDINALS = ("First", "Second")
 _LEAST = 1e-3  # mm: a logarithm has no zero
 
 
@@ -47,63 +52,55 @@ def write_comparison(path: Path, sides: tuple[Side, Side], comparison: Compariso
     ]
     if sides[0].run.plant.q.shape[1] == sides[1].run.plant.q.shape[1]:
         figures.append(_commands(sides))
-    names = tuple(map(escape, comparison.names))
-    body = (
-        f"<header><div class='wrap'><h1>Two runs</h1><p class='lead'>Solid: the first, "
-        f"<b>{names[0]}</b>. Dashed: the second, <b>{names[1]}</b>.</p>"
-        f"{_setup(comparison)}</div></header><main class='wrap'>{_differences(comparison)}"
-        f"{''.join(map(figure_html, figures))}</main>"
-    )
-    path.write_text(document("Two lexstack runs", body), encoding="utf-8")
+    path.write_text(document("Two lexstack runs", _body(comparison, figures)), encoding="utf-8")
 
 
-def _setup(comparison: Comparison) -> str:
-    """Return scenario, mode and seed of both."""
-    items = "".join(
-        f"<div>{escape(key)} <b>{escape(one if one == other else f'{one} | {other}')}</b></div>"
-        for key, (one, other) in comparison.setup.items()
-    )
-    return f"<div class='facts'>{items}</div>"
-
-
-def _differences(comparison: Comparison) -> str:
-    """Return the figures: those that differ, then folded up those that do not."""
+def _body(comparison: Comparison, figures: Sequence[Figure]) -> Markup:
+    """Return the page's content: figures that differ, then folded up those that do not."""
     shown = [entry for entry in comparison.differences if entry.group != MESSAGES]
     same = [entry for entry in shown if entry.first == entry.second]
     other = [entry for entry in shown if entry.first != entry.second]
     messages = [entry for entry in comparison.differences if entry.group == MESSAGES]
-    changed = sum(entry.first != entry.second for entry in messages)
-    return (
-        "<section id='differences'><h2>What differs</h2><p class='caption'>Second minus first. "
-        "A click on a head sorts. <i>Better</i> stands where less of a figure is better.</p>"
-        f"{_table(other)}<details><summary>{len(same)} figures are the same</summary>"
-        f"{_table(same)}</details><details><summary>messages: {changed} of {len(messages)} topics "
-        f"differ</summary>{_table(messages)}</details></section>"
+    setup = [(key, *both) for key, both in comparison.setup.items() if key != TROUBLE]
+    trouble = comparison.setup.get(TROUBLE, ())
+    return render(
+        "comparison.html",
+        names=comparison.names,
+        setup=setup,
+        notes=[f"{which} run: {text}." for which, text in zip(_ORDINALS, trouble, strict=False)],
+        differing=_table(other),
+        count_same=len(same),
+        same=_table(same),
+        changed=sum(entry.first != entry.second for entry in messages),
+        count_messages=len(messages),
+        messages=_table(messages),
+        figures=figures,
+        figure_html=figure_html,
     )
 
 
-def _table(entries: Sequence[Difference]) -> str:
-    """Return a table of figures."""
+def _table(entries: Sequence[Difference]) -> Markup:
+    """Return a table of figures; empty without any."""
     rows = [
         [
-            escape(entry.group),
-            escape(entry.figure),
-            entry.unit or "–",
+            entry.group,
+            entry.figure,
+            entry.unit,
             _number(entry.first),
             _number(entry.second),
-            _number(entry.change),
-            "–" if entry.relative is None else f"{100 * entry.relative:+.1f} %",
-            "–" if entry.better in (None, "same") else f"the {entry.better}",
+            _number(entry.change, ""),
+            "" if entry.relative is None else f"{100 * entry.relative:+.1f} %",
+            "" if entry.better in (None, "same") else f"the {entry.better}",
         ]
         for entry in entries
     ]
     head = ["of", "figure", "unit", "first", "second", "change", "relative", "better"]
-    return tables.table(head, rows, "differences") if rows else "<p>None.</p>"
+    return tables.table(head, rows, "differences") if rows else Markup()
 
 
-def _number(value: float | None) -> str:
-    """Return a number, or a dash."""
-    return "–" if value is None else f"{value:.5g}"
+def _number(value: float | None, otherwise: str = "none") -> str:
+    """Return a number, or a word where a run has no such figure."""
+    return otherwise if value is None else f"{value:.5g}"
 
 
 def _pairs(
@@ -135,20 +132,43 @@ def _switch(
         if one is not None:
             traces += _after(side, one, which)
     titles = ["EE error [mm]", "base error [mm]", "α [-]", "acceleration / limit [-]"]
-    layout = stacked(titles, 150, (), span)
+    layout = stacked(titles, 190, (), span)
     for key in ("yaxis", "yaxis2"):
         layout[key] |= {"type": "log", "dtick": 1, "exponentformat": "power"}
-    layout["xaxis4"]["title"]["text"] = "time since the switch [s]"
+    layout["xaxis4"]["title"]["text"] = _SINCE
     layout["shapes"].append(level(1.0, 4, VERMILLION))
     alone = "" if None not in pair else " Only one of the runs has this switch."
-    return Figure(
+    figure = Figure(
         f"switch-{number}",
-        f"Switch {number}: to {escape(phase.stack)}",
+        f"Switch {number}: to {phase.title}",
         "Both runs from the trigger on; the dashed line at 1 is the acceleration limit." + alone,
         traces,
         layout,
         linked=False,
     )
+    zeros = [None if one is None else one.start for one in pair]
+    return _with_bands(figure, sides, zeros, _SINCE, span)
+
+
+def _with_bands(
+    figure: Figure,
+    sides: tuple[Side, Side],
+    zeros: Sequence[float | None],
+    title: str,
+    span: tuple[float, float],
+) -> Figure:
+    """Return a figure with the bands of both runs, from their zeros of time on."""
+    for side, zero, ordinal in zip(sides, zeros, _ORDINALS, strict=True):
+        if zero is None:
+            continue
+        moved = (Band(b.kind, b.start - zero, b.end - zero) for b in bands_of(side.run))
+        bands = [
+            Band(b.kind, max(b.start, span[0]), min(b.end, span[1]))
+            for b in moved
+            if b.start < span[1] and b.end > span[0]
+        ]
+        figure = with_bands(figure, bands, title, f", {ordinal.lower()}")
+    return figure
 
 
 def _after(side: Side, phase: Phase, which: int) -> list[Plain]:
@@ -162,7 +182,7 @@ def _after(side: Side, phase: Phase, which: int) -> list[Plain]:
             series = _cut(measures.time, np.maximum(errors[:, i], _LEAST), begin, end, phase.start)
             name = f"{robot}, {ordinal}"
             style: dict[str, Any] = {"row": row, "dash": dash, "unit": "mm", "legend": row == 1}
-            traces.append(line(series, name, SERIES[i % len(SERIES)], **style))
+            traces.append(line(series, name, ROBOTS[i % len(ROBOTS)], **style))
     mine = _rows(status.robots, (phase.robots or run.robots)[0], len(status.tick))
     series = _cut(status.stamp[mine], status.alpha[mine], begin, end, phase.start)
     traces.append(line(series, f"α, {ordinal}", "#000000", row=3, dash=dash))
@@ -199,8 +219,8 @@ def _commands(sides: tuple[Side, Side]) -> Figure:
     begins = [float(side.measures.time[0]) - zero for side, zero in zip(sides, zeros, strict=True)]
     ends = [float(side.measures.time[-1]) - zero for side, zero in zip(sides, zeros, strict=True)]
     layout = stacked(["command χ [m/s, rad/s]"], 320, (), (min(begins), max(ends)))
-    layout["xaxis"]["title"]["text"] = "time since the first switch [s]"
-    return Figure(
+    layout["xaxis"]["title"]["text"] = _SINCE_FIRST
+    figure = Figure(
         "commands",
         "Command of one joint",
         "Both commands, aligned at the first switch.",
@@ -209,6 +229,7 @@ def _commands(sides: tuple[Side, Side]) -> Figure:
         linked=False,
         choices=choices,
     )
+    return _with_bands(figure, sides, zeros, _SINCE_FIRST, (min(begins), max(ends)))
 
 
 def _cut(time: Vector, values: Any, begin: float, end: float, zero: float) -> Plain:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
 from lexstack_bag.measures import COMMANDER, Measures
@@ -16,9 +17,9 @@ from lexstack_bag.report.traces import (
     BLACK,
     BLUE,
     DASHES,
-    GREEN,
     ORANGE,
     PURPLE,
+    ROBOTS,
     SERIES,
     SKY,
     VERMILLION,
@@ -28,7 +29,7 @@ from lexstack_bag.report.traces import (
 )
 from lexstack_bag.run import Run, TransitionPhase
 
-_COLORS = (BLUE, VERMILLION, GREEN, ORANGE)
+_BASE_NAMES = ("base x", "base y", "base yaw")
 _LEAST = 1e-9  # m/s, rad/s: a logarithm has no zero
 _UNDER_WAY = (TransitionPhase.PREPARING, TransitionPhase.BLENDING, TransitionPhase.ADOPTING)
 
@@ -42,7 +43,7 @@ def computation(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
             continue
         milliseconds = 1e3 * chi.solve_time
         medians.append(f"{name} {np.median(milliseconds):.2f} ms")
-        color, dash = _COLORS[i % len(_COLORS)], DASHES[2 * i % len(DASHES)]
+        color, dash = ROBOTS[i % len(ROBOTS)], DASHES[2 * i % len(DASHES)]
         series = grid.series(chi.tick, milliseconds)
         traces.append(line(series, name, color, dash=dash, unit="ms", width=1.0))
     status = run.transition
@@ -94,9 +95,11 @@ def smoothness(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid
     return Figure(
         "smoothness",
         "Smoothness of the command",
-        "The largest |χ(k) − χ(k−1)| / (Δt·q̈<sub>max</sub>) over all joints, and the same for "
-        "jerk. The dashed line is the acceleration limit. Jerk is bounded only where jerk limits "
-        "are on.",
+        Markup(
+            "The largest |χ(k) − χ(k−1)| / (Δt·q̈<sub>max</sub>) over all joints, and the same for "
+            "jerk. The dashed line is the acceleration limit. Jerk is bounded only where jerk "
+            "limits are on."
+        ),
         traces,
         layout,
     )
@@ -161,10 +164,15 @@ def bounds(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
 
 
 def joints(run: Run) -> tuple[str, ...]:
-    """Return a label for every entry of chi."""
+    """Return a label for every entry of chi, with its unit, by the joint's type."""
     labels = []
-    for name, place in run.resolved.scenario.robots.items():
-        arm = len(run.resolved.robots[place.model].arm.joints)
-        labels += [f"{name} base x [m/s]", f"{name} base y [m/s]", f"{name} base yaw [rad/s]"]
-        labels += [f"{name} arm joint {k + 1} [rad/s]" for k in range(arm)]
+    for robot in run.team().robots:
+        for place, (joint, slides) in enumerate(zip(robot.joints, robot.prismatic, strict=True)):
+            name = _BASE_NAMES[place] if place < len(_BASE_NAMES) else _arm(place, joint)
+            labels.append(f"{robot.name} {name} [{'m/s' if slides else 'rad/s'}]")
     return tuple(labels)
+
+
+def _arm(place: int, joint: str) -> str:
+    """Return what a joint of an arm is called: its place, and its name in the description."""
+    return f"arm joint {place - len(_BASE_NAMES) + 1} ({joint})"

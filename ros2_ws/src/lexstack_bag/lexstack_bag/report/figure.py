@@ -15,9 +15,9 @@ class Figure:
 
     Attributes:
         name: its HTML id.
-        title: heading.
-        caption: what to see in it; HTML.
-        traces: plotly traces.
+        title: heading; plain text, or Markup.
+        caption: what to see in it; plain text, or Markup.
+        traces: plotly traces; of their texts Markup alone is taken for HTML.
         layout: plotly layout.
         linked: whether its time axis moves with those of the other figures.
         choices: labels of what can be chosen; the traces come in as many equal groups, of which

@@ -8,7 +8,10 @@ import zipfile
 from functools import lru_cache
 from importlib import resources
 
+from markupsafe import Markup
+
 from lexstack_bag.errors import BagError
+from lexstack_bag.report.html import trusted
 
 # trimesh's wheel carries three.js in the template of its viewer: the library, then controls, then
 # loaders and trimesh's own code, which are left out here.
@@ -16,24 +19,24 @@ _TEMPLATE = ("resources/templates/viewer.zip", "viewer.html.template")
 _BEGIN, _END = "<script>", "THREE.TrackballControls=TrackballControls;})();"
 
 
-def script(name: str) -> str:
+def script(name: str) -> Markup:
     """Return one of our scripts or styles, ready to stand in a page."""
     folder = resources.files("lexstack_bag.report") / "assets"
-    return folder.joinpath(name).read_text(encoding="utf-8")
+    return trusted(folder.joinpath(name).read_text(encoding="utf-8"))
 
 
 @lru_cache(maxsize=1)
-def plotly() -> str:
+def plotly() -> Markup:
     """Return a script element with plotly.js (MIT), compressed: see ``library.js``."""
     from plotly.offline import get_plotlyjs  # noqa: PLC0415 - slow to load
 
     packed = gzip.compress(str(get_plotlyjs()).encode(), mtime=0)
     text = base64.b64encode(packed).decode("ascii")
-    return f"<script type='text/plain' id='plotly'>{text}</script>"
+    return trusted(f"<script type='text/plain' id='plotly'>{text}</script>")
 
 
 @lru_cache(maxsize=1)
-def three() -> str:
+def three() -> Markup:
     """Return three.js with TrackballControls (MIT), which defines THREE.
 
     Raises:
@@ -50,9 +53,4 @@ def three() -> str:
         raise BagError(
             f"trimesh: {archive} does not hold three.js as expected; install trimesh 5.2"
         )
-    return text[begin + len(_BEGIN) : end + len(_END)]
-
-
-def scripts(*texts: str) -> str:
-    """Return script elements with these texts."""
-    return "\n".join(f"<script>{text}</script>" for text in texts)
+    return trusted(text[begin + len(_BEGIN) : end + len(_END)])

@@ -5,14 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from markupsafe import Markup
+
 from lexstack_bag.phases import Phase
 from lexstack_bag.report.figure import letters
 from lexstack_bag.report.traces import GREY, Plain
+
+TIME = "simulated time [s]"
+"""Title of every axis of time."""
 
 _GRID = "#E3E7EC"
 _INK = "#1D2733"
 _TOP = 64  # px above the plots: legend and names of the stacks
 _BOTTOM = 46  # px
+_RIGHT = 46  # px: the tool bar stands there, beside the plots and below no legend
+_BOLD = Markup("<b>{}</b>")
+
+# Of the legend, to leave room for it.
+_ROW, _WIDTH = 19, 960  # px: height of a row, width of all
+_LETTER, _KEY = 7, 50  # px: of a name's letter, of the line before it
 
 
 def stacked(
@@ -35,7 +46,7 @@ def stacked(
         key = "" if row == 1 else str(row)
         low, high = _band(row - 1, rows)
         layout[f"xaxis{key}"] = _axis(
-            "simulated time [s]" if row == rows else "",
+            TIME if row == rows else "",
             anchor=f"y{key}",
             showticklabels=row == rows,
             range=list(span),
@@ -70,7 +81,7 @@ def grid(
         key = "" if i == 0 else str(i + 1)
         left = column * (width + 0.09)
         layout[f"xaxis{key}"] = _axis(
-            "simulated time [s]" if row == rows - 1 else "",
+            TIME if row == rows - 1 else "",
             domain=[left, left + width],
             anchor=f"y{key}",
             showticklabels=row == rows - 1,
@@ -83,7 +94,7 @@ def grid(
     layout["shapes"] = shapes
     layout["annotations"] = [
         {
-            "text": f"<b>{head}</b>",
+            "text": _BOLD.format(head),
             "xref": "paper",
             "yref": "paper",
             "x": i * (width + 0.09) + width / 2,
@@ -110,7 +121,7 @@ def marks(phases: Sequence[Phase]) -> Plain:
     switches = list(zip(letters(phases), phases[1:], strict=True))
     annotations = [
         {
-            "text": f"<b>{label}</b> → {phase.stack}",
+            "text": _BOLD.format(label) + f" → {phase.title}",
             "x": phase.start,
             "y": 1.0,
             "xref": "x",
@@ -156,6 +167,27 @@ def level(value: float, row: int, color: str) -> Plain:
     }
 
 
+def with_room(layout: Plain, traces: Sequence[Plain]) -> Plain:
+    """Return a layout with room above the plots for a legend of several rows."""
+    entries = dict.fromkeys(
+        str(entry.get("name", ""))
+        for entry in (*traces, *layout.get("shapes", []))
+        if entry.get("visible", True)
+        and entry.get("showlegend", "mode" in entry or entry["type"] == "bar")  # shapes: no
+    )
+    rows, used = 1, 0
+    for name in entries:
+        width = _KEY + _LETTER * len(name)
+        if used and used + width > _WIDTH:
+            rows, used = rows + 1, 0
+        used += width
+    more = _ROW * (rows - 1)
+    if not more:
+        return layout
+    margin = layout["margin"] | {"t": layout["margin"]["t"] + more}
+    return layout | {"height": layout["height"] + more, "margin": margin}
+
+
 def _band(row: int, rows: int) -> tuple[float, float]:
     """Return the part of the height that a row from the top takes."""
     gap = 0.05 if rows > 1 else 0.0
@@ -168,7 +200,8 @@ def _base(height: int) -> Plain:
     """Return what all layouts share."""
     return {
         "height": height,
-        "margin": {"l": 72, "r": 24, "t": _TOP, "b": _BOTTOM},
+        "margin": {"l": 72, "r": _RIGHT, "t": _TOP, "b": _BOTTOM},
+        "modebar": {"orientation": "v"},
         "font": {
             "family": "system-ui, -apple-system, Segoe UI, sans-serif",
             "size": 12,

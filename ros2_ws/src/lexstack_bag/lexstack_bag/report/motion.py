@@ -11,7 +11,7 @@ from lexstack_bag.phases import Phase
 from lexstack_bag.report.blocks import Path, Span, paths_from_above, timeline
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.layout import level, stacked
-from lexstack_bag.report.traces import BLUE, DASHES, GREEN, GREY, SERIES, VERMILLION, Grid, line
+from lexstack_bag.report.traces import BLUE, DASHES, GREEN, ROBOTS, VERMILLION, Grid, line
 from lexstack_bag.run import Run
 
 _AXES = (("x", BLUE), ("y", VERMILLION))
@@ -60,12 +60,11 @@ def poses(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> 
 def errors(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> Figure:
     """Return the distances to the references, on logarithmic axes."""
     traces = []
-    colors = (BLUE, VERMILLION, GREEN, GREY)
     for row, values in enumerate((measures.ee_error, measures.base_error), start=1):
         for i, name in enumerate(run.robots):
             shown = np.maximum(values[:, i], 1e-3)  # a logarithm has no zero
             series = grid.series(run.plant.tick, shown)
-            color, dash = colors[i % len(colors)], DASHES[i % len(DASHES)]
+            color, dash = ROBOTS[i % len(ROBOTS)], DASHES[i % len(DASHES)]
             trace = line(series, name, color, row=row, dash=dash, unit="mm", legend=row == 1)
             traces.append(trace)
     layout = stacked(["EE error [mm]", "base error [mm]"], 200, phases, grid.span)
@@ -87,7 +86,7 @@ def from_above(run: Run, measures: Measures) -> Figure:
     """Return the ways of bases and end effectors over the floor."""
     paths = []
     for i, name in enumerate(run.robots):
-        color = SERIES[i % len(SERIES)]
+        color = ROBOTS[i % len(ROBOTS)]
         base, tool = measures.base[:, i], measures.ee[:, i]
         paths.append(Path(f"{name} base", base[:, 0], base[:, 1], color, "solid"))
         paths.append(Path(f"{name} EE", tool[:, 0], tool[:, 1], color, "dot"))

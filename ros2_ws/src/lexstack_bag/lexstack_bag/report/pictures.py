@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from markupsafe import Markup
 
 from lexstack_bag.measures import Measures
 from lexstack_bag.phases import Phase
@@ -16,13 +17,14 @@ from lexstack_bag.run import Run
 
 _QUALITY = 88  # of the JPEG
 _MOST = 8  # pictures
+_CAPTION = Markup("<b>{}</b> {} s: {}")
 
 
 @dataclass(frozen=True, slots=True)
 class Picture:
     """One rendered instant."""
 
-    caption: str
+    caption: Markup
     uri: str  # data:image/jpeg;base64,...
 
 
@@ -47,15 +49,15 @@ def pictures(run: Run, measures: Measures, phases: Sequence[Phase]) -> tuple[lis
     return [Picture(caption, uri) for (_, caption), uri in zip(instants, encoded, strict=True)], ""
 
 
-def _instants(run: Run, phases: Sequence[Phase]) -> list[tuple[float, str]]:
+def _instants(run: Run, phases: Sequence[Phase]) -> list[tuple[float, Markup]]:
     """Return times [s] and captions of what is shown."""
     instants = []
     for label, before, after in zip(letters(phases), phases, phases[1:], strict=False):
-        text = f"<b>{label}</b> {after.start:.2f} s: end of {before.stack}, {after.stack} begins"
-        instants.append((after.start, text))
+        what = f"end of {before.stack}, {after.title} begins"
+        instants.append((after.start, _CAPTION.format(label, f"{after.start:.2f}", what)))
     end = float(run.plant.stamp[-1])
     label = f"({chr(ord('A') + len(instants) % 26)})"
-    instants.append((end, f"<b>{label}</b> {end:.2f} s: final configuration"))
+    instants.append((end, _CAPTION.format(label, f"{end:.2f}", "final configuration")))
     return instants
 
 

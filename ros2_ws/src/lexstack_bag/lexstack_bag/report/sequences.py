@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 
 import numpy as np
+from markupsafe import Markup
 
 from lexstack_bag.measures import Measures
 from lexstack_bag.metrics import Metrics
 from lexstack_bag.phases import Phase
 from lexstack_bag.report.blocks import Path, Span, paths_from_above, series, timeline
 from lexstack_bag.report.figure import Figure
+from lexstack_bag.report.html import render
 from lexstack_bag.report.tables import number, table
-from lexstack_bag.report.traces import SERIES
+from lexstack_bag.report.traces import ROBOTS, SERIES
 from lexstack_bag.run import ProgressStream, Run
 from lexstack_bag.sequences import STEADY_WINDOW, SequenceMetrics, goals_in
 from lexstack_core.linear import Matrix, Vector
@@ -37,35 +38,32 @@ def figures(
     ]
 
 
-def section(metrics: Metrics) -> str:
+def section(metrics: Metrics) -> Markup:
     """Return the table of sequences and the one of their tasks, as HTML; '' without sequences."""
     if not metrics.sequences:
-        return ""
+        return Markup()
     ratio = metrics.st_over_ht
-    told = f" ST-Arch took <b>{ratio:.2f}</b> times as long as HT-Arch." if ratio else ""
-    count = sum(len(one.tasks) for one in metrics.sequences)
-    return (
-        "<section id='sequences'><h2>Sequences of tasks</h2><p class='caption'>Executed by the "
-        "hierarchical-task MPC. HT-Arch: two tasks at a time, the whole robot for both; ST-Arch: "
-        f"one at a time, arm and base apart.{told}</p>{_sequences_table(metrics.sequences)}"
-        f"<details><summary>{count} tasks</summary><p class='caption'>A task takes from when it is "
-        "the first that is not done; HT-Arch works on it already while the one before it is. Its "
-        f"error is that of its goal, mean over the last {STEADY_WINDOW:g} s before it is done."
-        f"</p>{_tasks_table(metrics.sequences)}</details></section>"
+    return render(
+        "sequences.html",
+        ratio=f"{ratio:.2f}" if ratio else "",
+        count=sum(len(one.tasks) for one in metrics.sequences),
+        steady_window=f"{STEADY_WINDOW:g}",
+        table=_sequences_table(metrics.sequences),
+        tasks=_tasks_table(metrics.sequences),
     )
 
 
-def _sequences_table(sequences: Sequence[SequenceMetrics]) -> str:
+def _sequences_table(sequences: Sequence[SequenceMetrics]) -> Markup:
     """Return a row for every sequence."""
     head = ["robot", "architecture", "begun [s]", "tasks done", "completed in [s]", "plans [Hz]"]
     head += ["failed plans", "mean error of the levels [mm]"]
     rows = [
         [
-            f"<b>{escape(one.robot)}</b>",
+            Markup("<b>{}</b>").format(one.robot),
             f"{one.architecture.upper()}-Arch",
             f"{one.begun_s:.2f}",
             f"{one.done} of {one.count}",
-            number(one.completion_s, 2),
+            "cancelled" if one.cancelled else _done(one.completion_s),
             number(one.plans_hz, 1),
             f"{one.failed_plans}",
             ", ".join(number(value, 1) for value in one.level_error_mm.values()),
@@ -75,15 +73,15 @@ def _sequences_table(sequences: Sequence[SequenceMetrics]) -> str:
     return table(head, rows, "sequences")
 
 
-def _tasks_table(sequences: Sequence[SequenceMetrics]) -> str:
+def _tasks_table(sequences: Sequence[SequenceMetrics]) -> Markup:
     """Return a row for every task."""
     head = ["sequence", "task", "first from [s]", "done at [s]", "took [s]", "error [mm]"]
     rows = [
         [
-            escape(one.title),
-            escape(task.name),
+            one.title,
+            task.name,
             f"{task.first_s:.2f}",
-            number(task.done_s, 2),
+            _done(task.done_s),
             number(None if task.done_s is None else task.done_s - task.first_s, 2),
             number(task.error_mm, 2),
         ]
@@ -91,6 +89,11 @@ def _tasks_table(sequences: Sequence[SequenceMetrics]) -> str:
         for task in one.tasks
     ]
     return table(head, rows, "tasks")
+
+
+def _done(seconds: float | None) -> str:
+    """Return a time, or that the thing was not done."""
+    return "not done" if seconds is None else f"{seconds:.2f}"
 
 
 def _tasks(sequences: Sequence[SequenceMetrics], measures: Measures) -> Figure:
@@ -119,7 +122,8 @@ def _from_above(run: Run, measures: Measures, sequences: Sequence[SequenceMetric
     paths = []
     for i, one in enumerate(sequences):
         inside = (measures.time >= one.begun_s) & (measures.time <= one.end_s)
-        robot, color = run.robots.index(one.robot), SERIES[i % len(SERIES)]
+        robot = run.robots.index(one.robot)
+        color = SERIES[i % len(SERIES)] if compared else ROBOTS[robot % len(ROBOTS)]
         x0, y0 = _origin(run, one.robot) if compared else (0.0, 0.0)
         for what, places, dash in (("base", measures.base, "solid"), ("tool", measures.ee, "dot")):
             x, y = places[inside, robot, 0] - x0, places[inside, robot, 1] - y0

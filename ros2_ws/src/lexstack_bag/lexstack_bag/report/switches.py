@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from lexstack_bag.measures import COMMANDER
 from lexstack_bag.parts import joined
@@ -14,11 +15,18 @@ from lexstack_bag.phases import Phase
 from lexstack_bag.report.figure import Figure, letters
 from lexstack_bag.report.layout import grid as grid_layout
 from lexstack_bag.report.layout import vertical
-from lexstack_bag.report.traces import SERIES, Grid, Plain, line
+from lexstack_bag.report.traces import JOINTS, Grid, Plain, line
 from lexstack_bag.run import Run
+from lexstack_core.model import RobotModel
 
 SOURCE = "robot_b"  # whose chi is the target of a transition
 _BASE_NAMES = ("x", "y", "yaw")
+_TITLE = Markup("{} {} → {}: χ<sub>B</sub> and the command")
+_CAPTION = Markup(
+    "Fig. {} of the paper. Dashed: χ<sub>B</sub>, robot B's solution of <b>{}</b>, which jumps at "
+    "the trigger (solid vertical line). Solid: the command, which goes to it smoothly; where the "
+    "dotted line stands, robot A has taken the stack over."
+)
 _BEFORE, _AFTER = 0.4, 0.8  # s, shown around the blend
 _MOST = 8  # switches that are drawn: keeps the file of a long run small
 
@@ -38,13 +46,14 @@ def _switch(run: Run, label: str, before: Phase, phase: Phase, grid: Grid) -> Fi
     arrival = phase.end if phase.adopted is None else phase.adopted
     # Where B is not followed to the end of a blend, two seconds show what happens.
     span = phase.start - _BEFORE, min(arrival + _AFTER, phase.end, phase.start + 4.0)
-    parts = run.team().slices
+    team = run.team()
+    parts, units = team.slices, [speed for robot in team.robots for speed in _speeds(robot)]
     traces: list[Plain] = []
     for column, part in enumerate(parts):
         for row, (start, stop) in enumerate(((0, 3), (3, part.stop - part.start))):
             plot = row * len(parts) + column + 1
             joints = range(part.start + start, part.start + stop)
-            traces += _solutions(run, joints, plot, span, grid, legend=column == 0)
+            traces += _solutions(run, joints, units, plot, span, grid, legend=column == 0)
     lines = [(phase.start, "solid"), (phase.adopted, "dot")]
     shapes = [
         vertical(time, f"x{column + 1}" if column else "x", dash)
@@ -52,14 +61,14 @@ def _switch(run: Run, label: str, before: Phase, phase: Phase, grid: Grid) -> Fi
         for time, dash in lines
         if time is not None
     ]
-    titles = [["base χ [m/s, rad/s]"] * len(parts), ["arm χ [rad/s]"] * len(parts)]
+    titles = [
+        ["base χ [m/s, rad/s]"] * len(parts),
+        [f"arm χ [{', '.join(_arm_units(robot))}]" for robot in team.robots],
+    ]
     return Figure(
         f"switch-{label.strip('()').lower()}",
-        f"{label} {before.stack} → {phase.stack}: χ<sub>B</sub> and the command",
-        f"Fig. {_paper_figure(label)} of the paper. Dashed: χ<sub>B</sub>, robot B's solution of "
-        f"<b>{phase.stack}</b>, which jumps at the trigger (solid vertical line). Solid: the "
-        "command, which goes to it smoothly; where the dotted line stands, robot A has taken the "
-        "stack over.",
+        _TITLE.format(label, before.stack, phase.title),
+        _CAPTION.format(_paper_figure(label), phase.title),
         traces,
         grid_layout(titles, run.robots, 210, span, shapes),
         linked=False,
@@ -69,6 +78,7 @@ def _switch(run: Run, label: str, before: Phase, phase: Phase, grid: Grid) -> Fi
 def _solutions(
     run: Run,
     joints: range,
+    units: Sequence[str],
     plot: int,
     span: tuple[float, float],
     grid: Grid,
@@ -82,9 +92,9 @@ def _solutions(
     traces: list[Plain] = []
     for k, joint in enumerate(joints):
         name = _BASE_NAMES[k] if base else f"joint {k + 1}"
-        unit = "m/s" if base and name != "yaw" else "rad/s"
-        style: dict[str, Any] = {"row": plot, "legend": legend, "unit": unit}
-        color = SERIES[k % len(SERIES)]
+        style: dict[str, Any] = {"row": plot, "legend": legend, "unit": units[joint]}
+        place = k if base else len(_BASE_NAMES) + k
+        color = JOINTS[place % len(JOINTS)]
         if source is not None and np.any((source.stamp >= span[0]) & (source.stamp <= span[1])):
             series = grid.window(source.tick, source.chi[:, joint], *span)
             dashed = {"legendgroup": name, "showlegend": False}
@@ -94,6 +104,16 @@ def _solutions(
         series = grid.window(command.tick, command.chi[:, joint], *span)
         traces.append(line(series, name, color, width=1.8, **style))
     return traces
+
+
+def _speeds(robot: RobotModel) -> list[str]:
+    """Return the unit of each joint's velocity."""
+    return ["m/s" if slides else "rad/s" for slides in robot.prismatic]
+
+
+def _arm_units(robot: RobotModel) -> list[str]:
+    """Return the units of an arm's velocities, each once."""
+    return sorted(set(_speeds(robot)[len(_BASE_NAMES) :]))
 
 
 def _paper_figure(label: str) -> str:

@@ -3,35 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 
-from lexstack_bag.goals import goals_of
+from markupsafe import Markup
+
+from lexstack_bag.goals import blend_text, goals_of, settled_text
+from lexstack_bag.levels import UNMET
 from lexstack_bag.metrics import Metrics, PerRobot
 from lexstack_bag.relations import TITLES
+from lexstack_bag.report.html import render
 
-_WORDS = {
-    True: '<span class="yes">reached</span>',
-    False: '<span class="no">not reached</span>',
-    None: '<span class="none">not in this run</span>',
-}
+_CLASSES = {"reached": "yes", "not reached": "no"}  # of the verdicts; the others: none
+_BOLD = Markup("<b>{}</b>")
 
 
-def goals_table(metrics: Metrics) -> str:
+def goals_table(metrics: Metrics) -> Markup:
     """Return the table paper | ours."""
     rows = [
-        [
-            escape(goal.quantity),
-            escape(goal.paper),
-            goal.goal,
-            f"<b>{escape(goal.ours)}</b>",
-            _WORDS[goal.reached],
-        ]
+        [goal.quantity, goal.paper, goal.goal, _BOLD.format(goal.ours), _verdict(goal.verdict)]
         for goal in goals_of(metrics)
     ]
     return table(["", "paper", "goal", "ours", ""], rows, "goals")
 
 
-def phases_table(metrics: Metrics) -> str:
+def _verdict(text: str) -> Markup:
+    """Return a verdict in its colour."""
+    kind = _CLASSES.get(text, "none")
+    return Markup('<span class="{}">{}</span>').format(kind, text)
+
+
+def phases_table(metrics: Metrics) -> Markup:
     """Return the figures of every phase, with the errors of each robot."""
     robots = tuple(metrics.phases[0].ee_error_mm)
     head = ["stack", "start [s]", "settled after [s]", "blend [s]"]
@@ -43,8 +43,8 @@ def phases_table(metrics: Metrics) -> str:
     head += [f"{name}, {TITLES[key]}" for key in more for name in robots]
     rows = []
     for phase in metrics.phases:
-        row = [f"<b>{escape(phase.stack)}</b>", f"{phase.start_s:.2f}"]
-        row += [number(phase.settled_s, 2), number(phase.transition_s, 2)]
+        row = [_BOLD.format(phase.title), f"{phase.start_s:.2f}"]
+        row += [settled_text(phase), blend_text(phase)]
         row += _numbers(phase.ee_error_mm, robots, 3)
         row += _numbers(phase.ee_peak_error_mm, robots, 2)
         row += _numbers(phase.base_error_mm, robots, 2)
@@ -55,12 +55,34 @@ def phases_table(metrics: Metrics) -> str:
     return table(head, rows, "phases")
 
 
-def run_table(metrics: Metrics) -> str:
+def levels_table(metrics: Metrics) -> Markup:
+    """Return what each task of each phase leaves, and what holds its level back."""
+    rows = [
+        [
+            _BOLD.format(phase.title),
+            f"{level.level}",
+            task,
+            "–" if residual is None else f"{residual:.2e}",
+            ", ".join(level.held_by) if residual is not None and residual > UNMET else "",
+        ]
+        for phase in metrics.phases
+        for level in phase.levels
+        for task, residual in level.residual.items()
+    ]
+    head = ["stack", "level", "task", "residual [m/s, rad/s]", "held back by"]
+    return table(head, rows, "levels")
+
+
+def run_table(metrics: Metrics) -> Markup:
     """Return the counts of the whole run."""
     rows = [
         ["Ticks", f"{metrics.ticks}"],
         ["Late ticks (realtime only)", f"{metrics.late_ticks}"],
-        ["Ticks without a command", f"{metrics.missing_ticks}"],
+        ["Ticks without a command in time", f"{metrics.missing_ticks}"],
+        ["Ticks in which the plant held the last command", f"{metrics.holding_ticks}"],
+        ["Ticks in which the plant braked", f"{metrics.braking_ticks}"],
+        ["Ticks whose state is not in the bag", f"{metrics.states_not_in_bag}"],
+        ["Ticks whose command is not in the bag", f"{metrics.commands_not_in_bag}"],
         ["Solutions that failed or fell back", f"{metrics.solver_failures}"],
         ["Ticks damped near a singularity", f"{100.0 * metrics.damped_share:.1f} %"],
         ["Peak jerk / limit", number(metrics.peak_jerk_ratio, 3)],
@@ -69,13 +91,13 @@ def run_table(metrics: Metrics) -> str:
     ]
     for name, times in metrics.solve_us.items():
         text = f"{number(times['median'], 0)} / {number(times['p99'], 0)} µs"
-        rows.append([f"Solve time of {escape(name)}, median / p99", text])
+        rows.append([f"Solve time of {name}, median / p99", text])
     return table(["", ""], rows, "run")
 
 
-def messages_table(metrics: Metrics) -> str:
+def messages_table(metrics: Metrics) -> Markup:
     """Return the number of messages of every topic."""
-    rows = [[f"<code>{escape(k)}</code>", f"{v}"] for k, v in metrics.messages.items()]
+    rows = [[Markup("<code>{}</code>").format(k), f"{v}"] for k, v in metrics.messages.items()]
     return table(["topic", "messages"], rows, "messages")
 
 
@@ -89,11 +111,6 @@ def _numbers(values: PerRobot | None, robots: Sequence[str], digits: int) -> lis
     return [number((values or {}).get(name), digits) for name in robots]
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]], kind: str) -> str:
-    """Return a table; cells are HTML."""
-    top = "".join(f"<th>{cell}</th>" for cell in head) if any(head) else ""
-    body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows)
-    head_html = f"<thead><tr>{top}</tr></thead>" if top else ""
-    return (
-        f'<div class="scroll"><table class="{kind}">{head_html}<tbody>{body}</tbody></table></div>'
-    )
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], kind: str) -> Markup:
+    """Return a table; cells are plain text, or Markup."""
+    return render("table.html", head=head, rows=rows, kind=kind)

@@ -21,6 +21,11 @@ Plain = dict[str, Any]
 BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
 ORANGE, SKY, PURPLE, BLACK = "#E69F00", "#56B4E9", "#CC79A7", "#000000"
 SERIES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+# Of a robot, in the order of chi: as its tint in the 3-D view, where robot A is orange.
+ROBOTS = (VERMILLION, BLUE, GREEN, PURPLE, ORANGE, SKY, BLACK)
+# Of the joints of a robot, base included: x and joint 1 shall not look alike. The last three are
+# Tol's wine, olive and indigo.
+JOINTS = (*SERIES, "#882255", "#999933", "#332288")
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")  # told apart without colour
 GREY = "#6B7785"
 

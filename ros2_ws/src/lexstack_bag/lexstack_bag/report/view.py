@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import base64
-import json
 from collections.abc import Sequence
-from html import escape
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from lexstack_bag.measures import Measures
 from lexstack_bag.phases import Phase
 from lexstack_bag.report.figure import letters
-from lexstack_bag.report.traces import BLUE, GREEN, PURPLE, VERMILLION, Plain
+from lexstack_bag.report.html import json_text, render
+from lexstack_bag.report.traces import ROBOTS, Plain
 from lexstack_bag.run import Run, TransitionPhase
 from lexstack_core.linear import Vector
 from lexstack_core.rotation import to_quaternion
@@ -21,12 +21,10 @@ from lexstack_core.rotation import to_quaternion
 _MOST_FRAMES = 6000  # 100 a second for a minute; the viewer goes evenly from one to the next
 _MOST_POINTS = 3000  # of a path
 _MOST_MARKS = 20
-# The robots' own colours: what leads them is orange and blue.
-_COLORS = (VERMILLION, BLUE, GREEN, PURPLE)
 _MARGIN = np.array([0.5, 0.5, 0.1])  # m, around tools and bases
 
 
-def view(run: Run, measures: Measures, phases: Sequence[Phase]) -> tuple[str, str]:
+def view(run: Run, measures: Measures, phases: Sequence[Phase]) -> tuple[Markup, str]:
     """Return the section with the 3-D view and its data, or a note, and why there is no view.
 
     The robots' shapes come from the simulation package; a report can do without.
@@ -37,19 +35,9 @@ def view(run: Run, measures: Measures, phases: Sequence[Phase]) -> tuple[str, st
         shapes = scene(run.team())
     except Exception as error:  # noqa: BLE001 - whatever keeps it from working, the rest stands
         reason = f"{type(error).__name__}: {' '.join(str(error).split()) or 'no message'}"
-        return _section(f"<p class='note'>No 3-D view: {escape(reason)}</p>"), reason
-    data = json.dumps(
-        {"scene": shapes, **play_data(run, measures, phases)}, separators=(",", ":")
-    ).replace("</", "<\\/")
-    return _section(
-        "<div id='view3d'></div><div class='player'><button id='view3d-play'>Play</button>"
-        "<input id='view3d-time' type='range' aria-label='simulated time [s]'>"
-        "<span id='view3d-label'></span><label>speed <select id='view3d-speed'>"
-        "<option value='0.25'>¼×</option><option value='1' selected>1×</option>"
-        "<option value='4'>4×</option><option value='16'>16×</option></select></label></div>"
-        "<div id='view3d-marks' class='marks'></div>"
-        f"<script type='application/json' id='view3d-data'>{data}</script>"
-    ), ""
+        return render("view.html", reason=reason), reason
+    data = json_text({"scene": shapes, **play_data(run, measures, phases)})
+    return render("view.html", reason="", data=data), ""
 
 
 def play_data(run: Run, measures: Measures, phases: Sequence[Phase]) -> Plain:
@@ -71,20 +59,9 @@ def play_data(run: Run, measures: Measures, phases: Sequence[Phase]) -> Plain:
         "paths": _paths(measures),
         "radii": obstacles.radii.tolist(),
         "box": _box(measures),
-        "marks": [{"label": k, "time": phase.start, "name": phase.stack} for k, phase in switches],
-        "stacks": [{"name": phase.stack, "start": phase.start} for phase in phases],
+        "marks": [{"label": k, "time": phase.start, "name": phase.title} for k, phase in switches],
+        "stacks": [{"name": phase.title, "start": phase.start} for phase in phases],
     }
-
-
-def _section(content: str) -> str:
-    """Return the section's HTML."""
-    return (
-        "<section id='view-section'><h2>The run in three dimensions</h2><p class='caption'>From "
-        "the recorded positions. Frames: the end effectors' references in effect; lines: the "
-        "paths of the end effectors, dark: of the bases; balls: obstacles. Drag to turn, click "
-        "and use the wheel to zoom, drag with the right button to move. A click into a plot below "
-        f"sets the time here.</p>{content}</section>"
-    )
 
 
 def _targets(measures: Measures) -> Plain:
@@ -120,7 +97,7 @@ def _paths(measures: Measures) -> list[Plain]:
         base = measures.base[::stride, i].copy()
         base[:, 2] = 0.005  # m, above the floor
         paths.append(
-            {"color": _COLORS[i % len(_COLORS)], "points": _packed(measures.ee[::stride, i])}
+            {"color": ROBOTS[i % len(ROBOTS)], "points": _packed(measures.ee[::stride, i])}
         )
         paths.append({"color": "#333333", "points": _packed(base)})
     return paths

@@ -11,6 +11,8 @@ from lexstack_core.errors import ConfigurationError
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 _ROS_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
+# A number for everybody but YAML 1.1: there an exponent needs its sign, and a point before it.
+_ALMOST = re.compile(r"([-+]?)(\d{0,30})(\.\d{0,30})?[eE]([-+]?)(\d{1,4})")
 _BRIEF = reprlib.Repr()
 _BRIEF.maxstring = _BRIEF.maxother = 80
 
@@ -75,6 +77,19 @@ def shown(value: object) -> str:
         return _BRIEF.repr(value)
     except ValueError:  # an integer of more digits than Python prints
         return f"a {type(value).__name__} that is too long to show"
+
+
+def number_advice(value: object) -> str:
+    """Return what to write where YAML takes a number for a text, as it does 1.0e9; else ''."""
+    found = _ALMOST.fullmatch(value) if isinstance(value, str) else None
+    if found is None:
+        return ""
+    sign, whole, fraction, turn, exponent = found.groups()
+    if not whole and fraction in (None, "."):
+        return ""
+    fraction = fraction if fraction not in (None, ".") else ".0"
+    number = f"{sign}{whole or '0'}{fraction}e{turn or '+'}{exponent}"
+    return f", which YAML reads as text: write {number}"
 
 
 def _numbers(value: float | Iterable[float]) -> Iterable[float]:

@@ -9,7 +9,7 @@ import typing
 from pathlib import Path
 from typing import Any, TypeVar
 
-from lexstack_core.config.checks import shown
+from lexstack_core.config.checks import number_advice, shown
 from lexstack_core.config.yaml_text import parse_plain, read_text
 from lexstack_core.errors import ConfigurationError
 
@@ -138,7 +138,8 @@ def _convert_scalar(hint: Any, value: object, where: str) -> Any:
         if isinstance(value, int) and abs(value) > _LARGEST:
             raise ConfigurationError(f"{where}: out of range, got {shown(value)}")
         return float(value)
-    raise ConfigurationError(f"{where}: expected {hint.__name__}, got {shown(value)}")
+    advice = number_advice(value) if hint in (int, float) else ""
+    raise ConfigurationError(f"{where}: expected {hint.__name__}, got {shown(value)}{advice}")
 
 
 def _text(value: str, where: str) -> str:

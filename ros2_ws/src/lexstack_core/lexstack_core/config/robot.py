@@ -77,7 +77,10 @@ class BaseConfig:
 
 @dataclass(frozen=True, slots=True)
 class ArmConfig:
-    """An arm from a URDF of the package ``example_robot_data``, with its limits and impedance."""
+    """An arm from a URDF of the package ``example_robot_data``, with its limits and impedance.
+
+    For a prismatic joint read m where a list says rad, and N where it says N m.
+    """
 
     description: str  # path below example_robot_data's robots folder
     root: str  # the link that is mounted on the base

@@ -16,13 +16,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import lsq_linear
+from scipy.optimize import nnls
 
 from lexstack_core.hqp.problem import HqpProblem, Solution
 from lexstack_core.linear import LinearTask, Matrix, Vector
 
 UNMET = 1e-6  # in the unit of a level: a smaller slack is met
 _TOUCH = 1e-9  # nearer than this to its end, a joint or row may be pressed
+_NAMED = 4  # levels, and obstacles of each, that a line names
+_MOST_STEPS = 30  # of the search for forces, per force
 _FELT = 1e-6  # of the largest force: smaller ones are left out
 
 
@@ -109,13 +111,13 @@ def blocked(
 
 
 def describe(levels: Sequence[Blocked], joint_names: Sequence[str]) -> str:
-    """Return one line in words, empty where every level is met.
+    """Return one line in words, not long, empty where every level is met.
 
     Args:
         levels: as ``blocked`` returns them.
         joint_names: of all joints in the order of chi.
     """
-    return "; ".join(_sentence(level, joint_names) for level in levels)
+    return "; ".join(_shortened([_sentence(level, joint_names) for level in levels]))
 
 
 def _sentence(level: Blocked, joint_names: Sequence[str]) -> str:
@@ -132,7 +134,13 @@ def _sentence(level: Blocked, joint_names: Sequence[str]) -> str:
             else f"{obstacle.task} row {obstacle.row} of level {obstacle.level}"
         )
         words.append(f"{name} ({obstacle.force:.2g})")
-    return f"{missed}, held by {', '.join(words)}"
+    return f"{missed}, held by {', '.join(_shortened(words))}"
+
+
+def _shortened(words: list[str]) -> list[str]:
+    """Return the first words, and how many more there are: the line is read by people."""
+    more = len(words) - _NAMED
+    return words if more <= 0 else [*words[:_NAMED], f"… and {more} more"]
 
 
 def _worst(level: tuple[LinearTask, ...], residuals: list[Vector]) -> tuple[str, int, float]:
@@ -191,7 +199,18 @@ def _forces(columns: Matrix, target: Vector, limits: tuple[Vector, Vector]) -> V
     plain = np.linalg.lstsq(columns, target, rcond=1e-10)[0]
     if (plain >= limits[0] - _TOUCH).all() and (plain <= limits[1] + _TOUCH).all():
         return plain.astype(float)
-    found: Vector = lsq_linear(columns, target, limits, method="trf", tol=1e-14).x
+    # Each force has one sign, or any: a free one is the difference of two that are not negative.
+    # scipy's lsq_linear multiplies infinite limits by zero here, and warns of it.
+    size = columns.shape[1]
+    falls, rises = np.flatnonzero(limits[0] < 0.0), np.flatnonzero(limits[1] > 0.0)
+    signed = np.hstack([columns[:, rises], -columns[:, falls]])
+    try:
+        parts = nnls(signed, target, maxiter=_MOST_STEPS * max(size, 1))[0]
+    except RuntimeError:  # too many steps: the right signs matter more than the last digit
+        return np.clip(plain, *limits)
+    found = np.zeros(size)
+    found[rises] += parts[: rises.size]
+    found[falls] -= parts[rises.size :]
     return found
 
 

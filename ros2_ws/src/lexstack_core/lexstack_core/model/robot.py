@@ -14,6 +14,7 @@ from lexstack_core.model.spheres import SphereModel
 
 BASE = slice(0, 3)
 ARM = slice(3, None)
+_PRISMATIC = ("JointModelPX", "JointModelPY", "JointModelPZ")
 
 
 class RobotModel:
@@ -43,6 +44,18 @@ class RobotModel:
     def n(self) -> int:
         """Number of joints, base included."""
         return len(self.joints)
+
+    @property
+    def prismatic(self) -> tuple[bool, ...]:
+        """Whether each joint slides, in the order of ``joints``.
+
+        Its position is then in m and its velocity in m/s, of the others in rad and rad/s.
+        """
+        slides = [False] * self.n
+        for joint in self.pinocchio.joints[1:]:
+            name = joint.shortname()
+            slides[joint.idx_v] = name in _PRISMATIC or "Prismatic" in name
+        return tuple(slides)
 
     def home(self, base: tuple[float, float, float]) -> Vector:
         """Return the home configuration with the base at x [m], y [m], yaw [rad], shape (n,)."""

@@ -166,7 +166,8 @@ class Channel:
         target, aborted = blend.way.target, ""
         if blend.source is Source.MINIMUM_VELOCITY:
             target, aborted = sources.at_rest(target), f"{self.reason}; at rest"
-        return replace(self, adopted=(target,), blend=None, aborted=aborted)
+        reason = "" if blend.takes_over else self.reason  # it told of the blend that is over
+        return replace(self, adopted=(target,), blend=None, aborted=aborted, reason=reason)
 
 
 def _followed(
@@ -256,7 +257,7 @@ def _at_end(blend: Blend, own: Vector, tick: int, means: Means) -> tuple[Blend, 
     if (apart <= _SAME * means.limits.acceleration[mine] * means.dt).all():
         return blend, ""
     why = (
-        f"robot B's chi at tick {tick} is {apart.max():.2g} off robot A's own: "
+        f"robot B's chi at tick {tick} is {apart.max():.2g} (m/s, rad/s) off robot A's own: "
         "robot A blends on to its own"
     )
     return blend.taken_over(own, tick, means), why

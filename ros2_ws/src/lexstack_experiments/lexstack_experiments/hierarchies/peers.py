@@ -27,6 +27,7 @@ from lexstack_core.hqp.rows import Hierarchy
 from lexstack_core.linear import Matrix, Vector
 
 _PROXIMAL = 1e-9  # of a trace of about 1
+_ENDLESS = 1e30  # from here on PIQP takes the end of a row for infinite
 _NONE = np.zeros(0, dtype=np.int8)
 
 
@@ -159,12 +160,16 @@ class Piqp:
     def __call__(
         self, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
     ) -> Vector | str:
-        """Solve with equal limits as its equality rows."""
+        """Solve with equal limits as its equality rows, and without rows that nothing limits.
+
+        It prints three lines about each solve in which a row has no end.
+        """
         n = gradient.size
         solver = self._piqp.DenseSolver()
         solver.settings.eps_abs, solver.settings.eps_rel = 1e-9, 0.0
         equal = lower[n:] == upper[n:]
-        other = ~equal
+        limited = (np.abs(lower[n:]) < _ENDLESS) | (np.abs(upper[n:]) < _ENDLESS)
+        other = ~equal & limited
         some = other.any()
         solver.setup(
             hessian,

@@ -21,7 +21,7 @@ from lexstack_ros.conversions import (
 )
 from lexstack_ros.diagnostics import Diagnostics, Health, Meter, all_of
 from lexstack_ros.journal import Journal
-from lexstack_ros.parameters import scenario_parameter
+from lexstack_ros.parameters import scenario_parameter, tell_scenario
 from lexstack_ros.plan_conversions import PLAN, to_plan
 from lexstack_ros.plant_states import PlantStates
 from lexstack_ros.qos import STREAM
@@ -70,6 +70,7 @@ class HqpControllerNode(Node):
         self._late_start = round(_LATE_START * self._resolved.scenario.rate)
         self._source = self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
         self.create_subscription(JointTrajectory, PLAN, self._on_plan, STREAM)
+        self._scenario_out = tell_scenario(self, self._resolved)
         self._requests = Requests(
             self, self._controller.transition, self._resolved.scenario, self._parts.team
         )

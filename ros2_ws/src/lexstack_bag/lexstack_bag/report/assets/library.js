@@ -1,4 +1,7 @@
 "use strict";
+// The page's policy lets no script run without this word.
+const scriptNonce = document.currentScript.nonce;
+
 // Returns the bytes in a base64 text.
 function decoded(text) {
   const letters = atob(text);
@@ -12,6 +15,7 @@ async function runLibrary(id) {
   const packed = new Blob([decoded(document.getElementById(id).textContent)]);
   const stream = packed.stream().pipeThrough(new DecompressionStream("gzip"));
   const script = document.createElement("script");
+  script.nonce = scriptNonce;
   script.textContent = await new Response(stream).text();
   document.head.append(script);
 }

@@ -61,6 +61,7 @@ window.LexstackPlots = (() => {
       const [low, high] = axis.range;
       const inside = time !== undefined && time >= low && time <= high;
       line.style.display = inside ? "block" : "none";
+      line.style.top = `${plot._fullLayout._size.t}px`;
       line.style.left = `${axis._offset + axis._length * (time - low) / (high - low)}px`;
     }
   }

@@ -3,8 +3,10 @@
 (() => {
   const setup = JSON.parse(document.getElementById("setup").textContent);
   const at = (id) => document.getElementById(id);
+  const ROBOTS = ["#D55E00", "#0072B2"]; // robot A is orange, as in the view
   const COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"];
   const DASHES = ["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"];
+  const BANDS = { braking: "rgba(213, 94, 0, 0.20)", holding: "rgba(230, 159, 0, 0.22)" };
   const WINDOW = 20; // s
   const LEAST = 1e-9; // a logarithm has no zero
   const history = []; // of the window
@@ -12,6 +14,11 @@
   let begun; // tick and wall time of the first news, for the rate
   let shown; // what the view shows, as text
   let view;
+
+  // plotly.js takes some tags in a text for its own: no name shall have any.
+  function plotText(text) {
+    return text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");
+  }
 
   function options(select, values) {
     select.append(...values.map((value) => new Option(value, value)));
@@ -25,6 +32,7 @@
     at("time").textContent = `${news.time.toFixed(2)} s`;
     at("tick").textContent = news.tick;
     at("plant").textContent = news.plant;
+    at("plant").className = BANDS[news.plant] ? "bad" : "";
     at("stack").textContent = news.stack;
     at("phase").textContent = news.phase;
     at("alpha").value = news.alpha;
@@ -42,9 +50,9 @@
 
   function traces() {
     const x = history.map((news) => news.time);
-    const line = (name, y, i, row, unit) => ({
+    const line = (name, y, i, row, unit, colors = COLORS) => ({
       type: "scatter", mode: "lines", name, x, y, xaxis: "x", yaxis: `y${row}`,
-      line: { color: COLORS[i % 6], dash: DASHES[i % 6], width: 1.6 },
+      line: { color: colors[i % colors.length], dash: DASHES[i % 6], width: 1.6 },
       hovertemplate: `%{y:.4g} ${unit}`,
     });
     const most = Math.max(0, ...history.map((news) => news.levels.length));
@@ -54,17 +62,33 @@
     return [
       ...Array.from({ length: most }, (_, k) => line(`level ${k + 1}`, level(k), k, "",
         "m/s, rad/s")),
-      ...names.map((name, i) => line(`solve time ${name}`,
-        history.map((news) => news.solve[name] ?? null), i, 2, "ms")),
+      ...names.map((name, i) => line(`solve time ${plotText(name)}`,
+        history.map((news) => news.solve[name] ?? null), i, 2, "ms", ROBOTS)),
       line("α", history.map((news) => news.alpha), 3, 3, ""),
     ];
+  }
+
+  // The times in which the plant braked or held the last command.
+  function bands() {
+    const found = [];
+    history.forEach((news, i) => {
+      if (!BANDS[news.plant]) return;
+      const begin = i ? history[i - 1].time : news.time;
+      const last = found[found.length - 1];
+      if (last && last.name === news.plant && last.x1 === begin) last.x1 = news.time;
+      else found.push({ type: "rect", name: news.plant, xref: "x", yref: "paper", x0: begin,
+        x1: news.time, y0: 0, y1: 1, fillcolor: BANDS[news.plant], line: { width: 0 },
+        layer: "below" });
+    });
+    return found;
   }
 
   const axis = (title, domain, more) => ({ title: { text: title }, domain, gridcolor: "#E3E7EC",
     zeroline: false, showline: true, linecolor: "#B8C1CB", ...more });
   const layout = {
-    height: 460, margin: { l: 70, r: 12, t: 40, b: 44 }, hovermode: "x", uirevision: "live",
+    height: 460, margin: { l: 70, r: 46, t: 40, b: 44 }, hovermode: "x", uirevision: "live",
     font: { family: "system-ui, sans-serif", size: 12 }, legend: { orientation: "h", y: 1.12 },
+    modebar: { orientation: "v" },
     xaxis: axis("simulated time [s]", [0, 1], { anchor: "y3" }),
     yaxis: axis("residual [m/s, rad/s]", [0.64, 1], { type: "log", exponentformat: "power" }),
     yaxis2: axis("solve time [ms]", [0.3, 0.58], { rangemode: "tozero" }),
@@ -72,7 +96,9 @@
   };
 
   function draw() {
-    if (!document.hidden) Plotly.react("strips", traces(), layout, { displaylogo: false });
+    if (document.hidden) return;
+    layout.shapes = bands();
+    Plotly.react("strips", traces(), layout, { displaylogo: false });
   }
 
   async function order(content) {
