@@ -166,7 +166,8 @@ class Channel:
         target, aborted = blend.way.target, ""
         if blend.source is Source.MINIMUM_VELOCITY:
             target, aborted = sources.at_rest(target), f"{self.reason}; at rest"
-        reason = "" if blend.takes_over else self.reason  # it told of the blend that is over
+        told = blend.alone and not blend.tally.losses  # of the blend from B to A that is over
+        reason = "" if told else self.reason
         return replace(self, adopted=(target,), blend=None, aborted=aborted, reason=reason)
 
 
