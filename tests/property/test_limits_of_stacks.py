@@ -121,3 +121,28 @@ def test_a_joined_stack_follows_a_plan_where_all_do():
     one, other = parts().stacks["plan_robot_a"], parts().stacks["plan_robot_b"]
     assert joined([one, other]).planned
     assert not joined([one, parts().stacks["track"].of((1,))]).planned
+
+
+def test_a_switch_of_one_robot_holds_up_no_limits_of_another_one():
+    """Limits that move in a given time began again for every robot at every switch of any."""
+    base = sudden_limits().resolved
+    transition = dataclasses.replace(base.scenario.transition, limits_move=1.0)
+    scenario = dataclasses.replace(base.scenario, transition=transition)
+    found = {}
+    for others in (False, True):
+        changed = dataclasses.replace(base, scenario=scenario)
+        run = Loop(changed, IdealPlant(changed, team()), parts=parts())
+        run.controller.transition.ask("confined", 0.1, "", 5)
+        for k in range(8 if others else 0):
+            name = ["track", "confined"][k % 2]
+            run.controller.transition.ask(name, 0.1, "", 20 + 20 * k, ["robot_b"])
+        found[others] = [run.step() and run.controller._box._at(run.plant.state().tick - 1)
+                         for _ in range(200)]  # fmt: skip
+    mine = team().slices[0]
+    for alone, busy in zip(found[False], found[True], strict=True):
+        for field in FIELDS:
+            np.testing.assert_array_equal(getattr(busy, field)[mine], getattr(alone, field)[mine])
+    confined = parts().stacks["confined"].limits
+    np.testing.assert_array_equal(
+        found[True][110].position_lower[mine], confined.position_lower[mine]
+    )

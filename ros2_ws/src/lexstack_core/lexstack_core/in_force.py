@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from operator import is_not
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lexstack_core.bounds import Bounds, JointLimits, is_viable, viable_bounds
+from lexstack_core.joint_limits import LIMITS
 from lexstack_core.limits import LimitBlend, Motion
 from lexstack_core.linear import Vector
 from lexstack_core.state import RobotState
@@ -47,7 +50,8 @@ class LimitsInForce:
     """From the limits that a stack asks for to those that can be kept; one call per tick.
 
     Other limits than those of the tick before begin a ``LimitBlend`` from where the joints are,
-    whatever the reason: a trigger, a new one in mid-blend, or a way back.
+    whatever the reason: a trigger, a new one in mid-blend, or a way back. Joints whose limits do
+    not change go on as they were: a switch of one robot holds up no limits of another one.
 
     Where jerk limits come into force or become tighter, a joint may be too fast for them in front
     of a limit that it can keep without. Such a joint comes under them as soon as it can.
@@ -57,6 +61,10 @@ class LimitsInForce:
         """Start with the robots' own limits in force, and no jerk limit."""
         self._options = options
         self._blend = LimitBlend.settled(own)
+        # Blends before it, each with the joints, shape (n,), whose limits have not changed since.
+        self._going: list[tuple[NDArray[np.bool_], LimitBlend]] = []
+        self._pieces: tuple[JointLimits, ...] = ()  # what ``_whole`` was put together from
+        self._whole = own
         self._endless: Vector = np.full(own.n, np.inf)
         self._jerk = self._endless  # in force at the last tick
         self._base: JointLimits | None = None  # what ``_kept`` was made from
@@ -83,13 +91,45 @@ class LimitsInForce:
         dt, limited = self._options.dt, jerk or self._options.jerk
         motion = Motion(state.q_star, state.command, dt, acceleration if limited else None)
         if wanted is not self._blend.new:
-            old = replace(self._blend.at(state.tick), jerk=self._jerk)
+            old = replace(self._at(state.tick), jerk=self._jerk)
+            self._keep_going(wanted, state.tick)
             options = (state.tick, self._options.duration)
             self._blend = LimitBlend.begin(old, wanted, motion, *options)
-        limits = self._blend.at(state.tick)
+        limits = self._at(state.tick)
         kept = self._within_jerk(limits, motion)
         box = viable_bounds(state.q_star, kept, dt, state.command, sent, motion.acceleration)
         return limits, box
+
+    def _at(self, tick: int) -> JointLimits:
+        """Return the limits of a tick, of every joint by the blend that moves them."""
+        if not self._going:
+            return self._blend.at(tick)
+        if all(tick >= blend.end for blend in (self._blend, *(blend for _, blend in self._going))):
+            self._going = []
+            return self._blend.at(tick)
+        pieces = (self._blend.at(tick), *(blend.at(tick) for _, blend in self._going))
+        if len(pieces) != len(self._pieces) or any(map(is_not, pieces, self._pieces)):
+            values = {name: getattr(pieces[0], name).copy() for name in LIMITS}
+            for (joints, _), piece in zip(self._going, pieces[1:], strict=True):
+                for name in LIMITS:
+                    values[name][joints] = getattr(piece, name)[joints]
+            self._pieces, self._whole = pieces, JointLimits(**values)
+        return self._whole
+
+    def _keep_going(self, wanted: JointLimits, tick: int) -> None:
+        """Let the blends under way go on for the joints whose limits stay what they are."""
+        before = self._blend.new
+        same = np.logical_and.reduce(
+            [getattr(wanted, name) == getattr(before, name) for name in LIMITS]
+        )
+        under_way = []
+        for joints, blend in (*self._going, (same, self._blend)):
+            mine = joints & same
+            same = same & ~mine
+            if mine.any():
+                going = blend if tick < blend.end else LimitBlend.settled(wanted)
+                under_way.append((mine, going))
+        self._going = under_way
 
     def _acceleration(self, state: RobotState) -> Vector:
         """Return the acceleration of the last tick, shape (n,); over a gap in the ticks the mean.

@@ -13,6 +13,8 @@ from lexstack_core.linear import Vector
 # Stands for an infinite position limit: far enough that the velocity limit decides, near enough
 # that 2 a d does not overflow.
 _FAR = 1e100
+LIMITS = ("position_lower", "position_upper", "velocity", "acceleration", "jerk")
+"""The limits of a joint, by their names in ``JointLimits``."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,12 +11,12 @@ from lexstack_core.bounds import JointLimits
 from lexstack_core.config.checks import shown
 from lexstack_core.config.stack import JointLimitConfig, StackConfig, TaskConfig
 from lexstack_core.errors import ConfigurationError, ModelError
+from lexstack_core.joint_limits import LIMITS
 from lexstack_core.linear import LinearTask
 from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References
 from lexstack_core.tasks import TASKS, Task
 
-_LIMITS = ("position_lower", "position_upper", "velocity", "acceleration", "jerk")
 AT_REST = " at rest"  # ends the name of a stack whose lower levels are minimum velocity
 
 
@@ -128,11 +128,11 @@ def _joined_limits(stacks: Sequence[Stack], team: Team | None) -> JointLimits | 
     if team is None:
         names = ", ".join(repr(stack.name) for stack in stacks)
         raise ModelError(f"stacks {names}: they have different limits, and no team is given")
-    values = {name: getattr(team.limits, name).copy() for name in _LIMITS}
+    values = {name: getattr(team.limits, name).copy() for name in LIMITS}
     for stack in stacks:
         if stack.limits is not None:
             mine = team.columns(stack.robots or ())
-            for name in _LIMITS:
+            for name in LIMITS:
                 values[name][mine] = getattr(stack.limits, name)[mine]
     return JointLimits(**values)
 
@@ -178,7 +178,7 @@ def _build_limits(config: StackConfig, team: Team, where: str) -> JointLimits | 
     """Return the limits of all joints, shape (n,) each, or None where the file has none."""
     if not config.limits:
         return None
-    values = {name: getattr(team.limits, name).copy() for name in _LIMITS}
+    values = {name: getattr(team.limits, name).copy() for name in LIMITS}
     for robot, joints in config.limits.items():
         place = f"{where}: limits"
         _known(place, "robot", robot, team.names)

@@ -7,13 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from lexstack_core.bounds import JointLimits
+from lexstack_core.joint_limits import LIMITS
 from lexstack_core.transition.part import Columns
 
 Asked = tuple[Columns, JointLimits | None, bool]
 """The joints of a channel, the limits of its stack (None: the robots' own), and whether by a method
 that keeps jerk limits."""
-
-_FIELDS = ("position_lower", "position_upper", "velocity", "acceleration", "jerk")
 
 
 class AskedLimits:
@@ -51,9 +50,9 @@ class AskedLimits:
 
     def _put_together(self, asked: Sequence[Asked], jerks: set[bool]) -> JointLimits:
         """Return each channel's limits on its joints."""
-        values = {name: getattr(self._own, name).copy() for name in _FIELDS}
+        values = {name: getattr(self._own, name).copy() for name in LIMITS}
         for columns, limits, jerk in asked:
-            for name in _FIELDS:
+            for name in LIMITS:
                 values[name][columns] = getattr(limits or self._own, name)[columns]
             if len(jerks) == 2 and not jerk and not self._always:
                 values["jerk"][columns] = np.inf

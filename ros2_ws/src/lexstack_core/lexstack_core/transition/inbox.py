@@ -26,8 +26,12 @@ class Inbox:
 
     def newest(self, transition_id: int, tick: int) -> SourceSample | None:
         """Return the newest sample of a transition that is not from after ``tick``, or None."""
-        ticks = [at for at in self._samples.get(transition_id, ()) if at <= tick]
-        return self._samples[transition_id][max(ticks)] if ticks else None
+        samples = self._samples.get(transition_id, {})
+        exact = samples.get(tick)
+        if exact is not None or not samples:
+            return exact
+        ticks = [at for at in samples if at <= tick]
+        return samples[max(ticks)] if ticks else None
 
     def solved_since(self, transition_id: int, tick: int) -> bool:
         """Return whether the source has solved a transition's stack for a tick after this one."""
