@@ -100,6 +100,8 @@ def random_train(seed: int, ticks: int) -> Train:
 class Schedule:
     """References of a train, as steps or led in along a quintic; a schedule for either robot."""
 
+    begun = True  # nothing is measured, and every tick is decided when it comes
+
     def __init__(self, train: Train, *, lagged: bool) -> None:
         """Follow a train; ``lagged``: at robot B's ticks."""
         lags = train.lags if lagged else (0,) * len(train.targets)
@@ -115,6 +117,9 @@ class Schedule:
         self._goals = [tool.position for tool in tools]
         self._begun = [(-1_000_000, tool.position) for tool in tools]
         self._revision = 0
+
+    def decide(self, stamp: float) -> None:
+        """Do nothing: ``at`` decides."""
 
     def at(self, stamp: float) -> References:
         """Return the references of a time [s]."""

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from lexstack_core.build import build_references
 from lexstack_core.config.scenario import TransitionConfig
 from lexstack_core.model import Pose
 from lexstack_core.references import Target
@@ -31,14 +32,11 @@ def blend(mode, late=0, lag=0, *, named=False, move=(0.1, 0.0, 0.0), at=150, bas
     """
     run = loop(transition=TransitionConfig(duration=1.0), mode=mode)
     run.link = Delayed(late) if late else run.link
+    run.references_b = build_references(run.resolved, run.parts.team)
     both = (run.controller.references, run.references_b)
-    if named:
+    if not named:
         ask = run.ask_b
-        run.ask_b = lambda wanted, state, references: dataclasses.replace(
-            ask(wanted, state, references), revision=references.revision
-        )
-        for schedule in both:
-            schedule._now = dataclasses.replace(schedule._now, revision=1)
+        run.ask_b = lambda *args: dataclasses.replace(ask(*args), revision=None)
     run.controller.transition.ask("reach_base", 0.0, "", 100)
     tool = team().tools(home())[0]
     target = Target(0.0, 0, ee=Pose(tool.position + np.array(move), tool.rotation))
@@ -48,8 +46,6 @@ def blend(mode, late=0, lag=0, *, named=False, move=(0.1, 0.0, 0.0), at=150, bas
         for schedule, due in zip(both, (at, at + lag), strict=True):
             if tick == due:
                 schedule.add(target)
-                if named:
-                    schedule._now = dataclasses.replace(schedule.at(9.0), revision=2)
         run.step()
     return run
 

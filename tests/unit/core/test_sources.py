@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from lexstack_core.linear import LinearTask
+from lexstack_core.references import Target
 from lexstack_core.stack_solver import StackSolver
 from lexstack_core.transition.joining import Joiner
 from lexstack_core.transition.sources import Sources
 from lexstack_core.transition.status import Phase, Source, SourceSample
 from lexstack_core.transition.witness import Witness
 from support.channels import loop, parts
-from support.scenario import changed, team
+from support.scenario import changed, home, team
 
 ANY = [None, 4]
 LEVEL = (LinearTask.equality("x", np.eye(2), np.array([3.0, 4.0])),)
@@ -83,16 +84,17 @@ def test_in_lockstep_a_waits_for_the_chi_with_the_references_of_the_tick():
 def test_in_mid_blend_a_chi_with_older_references_counts_as_lost():
     run = loop()
     ask = run.ask_b
-    run.ask_b = lambda *args: dataclasses.replace(ask(*args), revision=0)
+    run.ask_b = lambda *args: dataclasses.replace(ask(*args), revision=1)
     run.controller.transition.ask("reach_base", 0.0, "", 2)
     run.run(10)
     assert run.record.commands[-1].transition.source is Source.ROBOT_B
-    schedule = run.controller.references
-    schedule._now = dataclasses.replace(schedule._now, revision=1)
+    tool = team().tools(home())[0]
+    moved = dataclasses.replace(tool, position=tool.position + 1e-6)
+    run.controller.references.add(Target(0.0, 0, ee=moved))
     lost = run.step().transition
     assert lost.source is Source.LOCAL
     assert lost.reason.startswith("robot B lost at tick 10, last heard tick 10: ")
-    run.ask_b = lambda *args: dataclasses.replace(ask(*args), revision=1)
+    run.ask_b = lambda *args: dataclasses.replace(ask(*args), revision=2)
     assert run.step().transition.source is Source.ROBOT_B
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lexstack_core.build import build_references
 from lexstack_core.config.scenario import TransitionConfig
 from lexstack_core.linear import LinearTask
 from lexstack_core.references import Target
@@ -120,6 +121,9 @@ def test_a_late_b_is_believed(late):
 
 def test_targets_that_reach_the_two_robots_at_different_ticks_are_no_evidence():
     run = realtime(Delayed(1), duration=2.0)
+    run.references_b = build_references(run.resolved, run.parts.team)
+    ask = run.ask_b
+    run.ask_b = lambda *args: replace(ask(*args), revision=None)
     tools = run.parts.team.tools(run.plant.state().q)
     rng = np.random.default_rng(3)
     coming = []
