@@ -23,7 +23,7 @@ def within_limits(result):
 
 
 def check(train):
-    """Check what issue A.2 asks for on one train of events."""
+    """Check what holds for any train of events."""
     result = run(train)
     assert not still_blending(result), "it ends within its duration and the stated time"
     assert within_limits(result)
