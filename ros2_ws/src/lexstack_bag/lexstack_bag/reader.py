@@ -5,18 +5,16 @@ from __future__ import annotations
 from array import array
 from bisect import bisect_right
 from collections import defaultdict
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mcap.records import Schema
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from lexstack_bag.columns import StreamBuilder, seconds
 from lexstack_bag.container import Container, Progress, RawMessage, find_files
+from lexstack_bag.decoder import Decoder
 from lexstack_bag.errors import BagError
 from lexstack_bag.facts import SCENARIO
 from lexstack_bag.loss import LossCounter
@@ -124,24 +122,6 @@ def _published_scenario(container: Container) -> str | None:
         if message.topic == SCENARIO:
             return str(getattr(decode(message), "data", ""))
     return None
-
-
-class Decoder:
-    """From CDR to messages, by the definitions that a bag carries."""
-
-    def __init__(self) -> None:
-        """Know no type yet."""
-        self._decoders: dict[str, Callable[[bytes], Any]] = {}
-
-    def __call__(self, message: RawMessage) -> Any:
-        """Return a message's content; raises BagError."""
-        name = message.schema.name
-        if name not in self._decoders:
-            self._decoders[name] = _decoder(message.schema)
-        try:
-            return self._decoders[name](message.data)
-        except Exception as error:  # the decoder is generated and raises whatever it meets
-            raise BagError(f"{message.topic}: a message cannot be decoded: {error}") from error
 
 
 class _Collector:
@@ -260,15 +240,6 @@ class _Collector:
             entry = message.id, message.stack, message.start_tick, message.active, robots
             found.append(StackRequested(after, *entry))
         return tuple(found)
-
-
-def _decoder(schema: Schema) -> Callable[[bytes], Any]:
-    """Return a function from CDR to a message of a bag's own definition."""
-    if schema.encoding != "ros2msg":
-        raise BagError(f"{schema.name}: definitions in {schema.encoding!r} are not supported")
-    store = get_typestore(Stores.EMPTY)
-    store.register(get_types_from_msg(schema.data.decode(), schema.name))
-    return lambda data: store.deserialize_cdr(data, schema.name)
 
 
 def _lost(container: Container, losses: dict[str, LossCounter]) -> int:
