@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_bag.commands.analyze import analyze, compare
+from lexstack_bag.commands.analyze import analyze, compare, main
 from lexstack_bag.facts import run_facts
 from lexstack_bag.measures import measure
 from lexstack_bag.metrics import compute_metrics
@@ -194,3 +194,18 @@ def test_data_for_scripts_cannot_end_their_element(out):
     for block in blocks:
         assert "<" not in block
         json.loads(block)
+
+
+def test_names_do_not_steer_the_terminal(write, maker, tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "lexstack_sim.render", None)
+
+    class Steering(maker):
+        def transition(self, tick, **fields):
+            super().transition(tick, to_stack="\x1b[2Jgone\r\x07", **fields)
+
+    made = write(tmp_path / "bag", kind=Steering)
+    assert main([str(made.folder), "--out", str(tmp_path)]) == 0
+    assert main([str(made.folder), str(made.folder), "--out", str(tmp_path)]) == 0
+    said = "".join(capsys.readouterr())
+    assert "?[2Jgone??" in said
+    assert not set(said) & set("\x1b\r\x07")

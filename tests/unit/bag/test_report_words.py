@@ -29,6 +29,7 @@ from lexstack_experiments.runs import Measured
 from lexstack_sim.looks import TINTS
 from support.browser import Browser
 from support.channels import loop
+from support.sequences import planning
 
 
 def figures(path):
@@ -71,8 +72,6 @@ def test_a_switch_that_another_one_replaced_says_so():
 
 
 def test_a_sequence_that_was_cancelled_on_request_is_no_missed_goal(synthetic):
-    from tests.unit.bag.test_sequences import planning
-
     from lexstack_bag.run import SequenceEvent
 
     events = [

@@ -296,3 +296,28 @@ def test_counters_of_the_plant_go_on_over_a_reset(write, maker, tmp_path):
 
     first, second = read_parts(write(tmp_path / "bag", kind=Counting).folder)
     assert (metrics_of(first).missing_ticks, metrics_of(second).missing_ticks) == (7, 2)
+
+
+def test_a_state_of_a_stranger_begins_no_part(write, maker, tmp_path):
+    """Anybody may send on /plant/state; nodes refuse such states, and so does the analysis."""
+
+    class Visited(maker):
+        def plant(self, tick, **fields):
+            super().plant(tick, **fields)
+            if tick in (120, 121, 300):
+                super().plant(0, sender="other@host/1/0", resets=7, status=2)
+
+    (run,) = read_parts(write(tmp_path / "bag", kind=Visited).folder)
+    assert np.array_equal(run.plant.tick, np.arange(400))
+    assert (run.part, run.parts) == (1, ())
+    assert len(run.transition.tick) == 400
+    assert metrics_of(run).braking_ticks == 0
+
+
+def test_a_simulation_that_was_started_again_begins_a_part(write, maker, tmp_path):
+    class Again(maker):
+        def plant(self, tick, **fields):
+            super().plant(tick, sender=f"plant@host/{1 + (tick >= 150)}/0", **fields)
+
+    parts = read_parts(write(tmp_path / "bag", kind=Again).folder)
+    assert [len(run.plant.tick) for run in parts] == [150, 250]

@@ -5,18 +5,16 @@ from __future__ import annotations
 from array import array
 from bisect import bisect_right
 from collections import defaultdict
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mcap.records import Schema
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from lexstack_bag.columns import StreamBuilder, seconds
 from lexstack_bag.container import Container, Progress, RawMessage, find_files
+from lexstack_bag.decoder import Decoder
 from lexstack_bag.errors import BagError
 from lexstack_bag.facts import SCENARIO
 from lexstack_bag.loss import LossCounter
@@ -31,6 +29,7 @@ from lexstack_bag.run import (
     Target,
     TransitionStream,
 )
+from lexstack_bag.stretches import Stretch, Stretches, without_strangers
 from lexstack_bag.writer import CLOSING_RECORD, SCENARIO_RECORD
 from lexstack_core.config.resolved import ResolvedScenario
 from lexstack_core.errors import ConfigurationError, InputError
@@ -78,21 +77,25 @@ def read_parts(
     facts, resolved = read_facts(container)
     team = Team.from_scenario(resolved)
     collector = _Collector(resolved, team, plans=plans)
-    # When the first state of each part was sent [ns since 1970].
-    begins = [each.publish_time for each in container.messages(progress) if collector.add(each)]
-    if len(begins) < 2:
+    for message in container.messages(progress):
+        collector.add(message)
+    if len(collector.stretches.found) < 2:
         return (collector.run(files[0], facts, container),)
-    collectors = [_Collector(resolved, team, plans=plans) for _ in begins]
-    begins = np.maximum.accumulate(begins).tolist()
+    parts_found = without_strangers(collector.stretches.found)
+    collectors = [_Collector(resolved, team, plans=plans, only=part) for part in parts_found]
+    begins = np.maximum.accumulate([part.sent for part in parts_found]).tolist()
     for message in container.messages(progress):
         # Topics arrive in any order: the time of sending says which part a message belongs to.
         collectors[max(bisect_right(begins, message.publish_time) - 1, 0)].add(message)
-    runs = [each.run(files[0], facts, container) for each in collectors if each.has_states]
+    found = [each for each in collectors if each.stretches.found]  # clocks may have gone back
+    runs = [each.run(files[0], facts, container) for each in found]
+    lost = _lost(container, collector.losses)
+    if len(runs) == 1:
+        return (replace(runs[0], lost=lost),)
     parts = tuple(
         RunPart(len(run.plant.tick), float(run.plant.stamp[0]), float(run.plant.stamp[-1]))
         for run in runs
     )
-    lost = _lost(container, collector.losses)
     return tuple(
         replace(run, part=number, parts=parts, lost=lost) for number, run in enumerate(runs, 1)
     )
@@ -131,29 +134,20 @@ def _published_scenario(container: Container) -> str | None:
     return None
 
 
-class Decoder:
-    """From CDR to messages, by the definitions that a bag carries."""
-
-    def __init__(self) -> None:
-        """Know no type yet."""
-        self._decoders: dict[str, Callable[[bytes], Any]] = {}
-
-    def __call__(self, message: RawMessage) -> Any:
-        """Return a message's content; raises BagError."""
-        name = message.schema.name
-        if name not in self._decoders:
-            self._decoders[name] = _decoder(message.schema)
-        try:
-            return self._decoders[name](message.data)
-        except Exception as error:  # the decoder is generated and raises whatever it meets
-            raise BagError(f"{message.topic}: a message cannot be decoded: {error}") from error
-
-
 class _Collector:
     """Sorts the messages of a part: takes apart what analysis needs, counts all of them."""
 
-    def __init__(self, resolved: ResolvedScenario, team: Team, *, plans: bool) -> None:
-        """Start empty; ``plans`` as in ``read_run``."""
+    def __init__(
+        self,
+        resolved: ResolvedScenario,
+        team: Team,
+        *,
+        plans: bool,
+        only: Stretch | None = None,
+    ) -> None:
+        """Start empty; ``plans`` as in ``read_run``; ``only``: whose states alone are taken."""
+        self._only = only
+        self.stretches = Stretches()
         self._resolved = resolved
         self._counts: dict[str, int] = defaultdict(int)
         self.losses: dict[str, LossCounter] = defaultdict(LossCounter)
@@ -168,22 +162,16 @@ class _Collector:
         self._commanded: tuple[array[int], array[int]] = array("q"), array("q")  # time, tick
         self._decode = Decoder()
         self._now = 0.0  # s, stamp of the last plant state
-        self._resets: int | None = None  # told by the last plant state
 
-    @property
-    def has_states(self) -> bool:
-        """Whether a state of the plant has come."""
-        return self._resets is not None
-
-    def add(self, message: RawMessage) -> bool:
-        """Take one message; return whether it begins a part: the first state, or after a reset."""
+    def add(self, message: RawMessage) -> None:
+        """Take one message."""
         topic = message.topic
         self._counts[topic] += 1
         if message.sequence:
             self.losses[topic].see(message.sequence)
         if topic == PLANT_STATE:
-            return self._add_state(self._decode(message))
-        if topic in self._chi:
+            self._add_state(self._decode(message), message.publish_time)
+        elif topic in self._chi:
             chi = self._decode(message)
             self._chi[topic].add(chi, message.publish_time)
             if topic == COMMAND:
@@ -197,17 +185,15 @@ class _Collector:
             self._requested.append((message.publish_time, self._decode(message)))
         elif not self._planning.add(topic, partial(self._decode, message), message.publish_time):
             self._add_target(message)
-        return False
 
-    def _add_state(self, state: Any) -> bool:
-        """Take a state of the plant; return as ``add``."""
+    def _add_state(self, state: Any, sent: int) -> None:
+        """Take a state of the plant that was sent at a time [ns]."""
+        if self._only is not None and not self._only.holds(state):
+            return
         self._now = seconds(state.header.stamp)
-        # The count tells also of a reset whose first states the bag does not have.
-        before, self._resets = self._resets, int(getattr(state, "resets", 0))
-        went_back = self._plant.add(state)
-        if went_back:
+        self.stretches.see(state, sent)
+        if self._plant.add(state):
             self._begin_anew()
-        return went_back or before != self._resets
 
     def run(self, path: Path, facts: dict[str, str], container: Container) -> Run:
         """Return the Run of all that was collected; raises BagError without a plant."""
@@ -283,15 +269,6 @@ class _Collector:
             entry = message.id, message.stack, message.start_tick, message.active, robots
             found.append(StackRequested(after, *entry))
         return tuple(found)
-
-
-def _decoder(schema: Schema) -> Callable[[bytes], Any]:
-    """Return a function from CDR to a message of a bag's own definition."""
-    if schema.encoding != "ros2msg":
-        raise BagError(f"{schema.name}: definitions in {schema.encoding!r} are not supported")
-    store = get_typestore(Stores.EMPTY)
-    store.register(get_types_from_msg(schema.data.decode(), schema.name))
-    return lambda data: store.deserialize_cdr(data, schema.name)
 
 
 def _lost(container: Container, losses: dict[str, LossCounter]) -> int:

@@ -18,9 +18,10 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
 from lexstack_bag.container import Container, RawMessage
+from lexstack_bag.decoder import Decoder
 from lexstack_bag.definitions import type_hash
 from lexstack_bag.errors import BagError
-from lexstack_bag.reader import PLANT_STATE, Decoder
+from lexstack_bag.reader import PLANT_STATE
 from lexstack_bag.replay.outcome import Outcome, joints_of
 from lexstack_bag.replay.requests import Ask, Cancel
 from lexstack_bag.run import Run

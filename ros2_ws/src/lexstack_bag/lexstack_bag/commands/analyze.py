@@ -160,13 +160,18 @@ def run_folder(file: Path) -> Path:
     return bag.parent if bag.name == "bag" or (bag / "metadata.yaml").is_file() else bag
 
 
+def printable(line: str) -> str:
+    """Return a line for a terminal: names from a bag shall not steer it."""
+    return "".join(letter if letter.isprintable() else "?" for letter in line)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit code."""
     options = parser().parse_args(arguments)
     try:
-        return _run(options, lambda line: print(line, flush=True))
+        return _run(options, lambda line: print(printable(line), flush=True))
     except LexstackError as error:
-        print(f"analyze: {error}", file=sys.stderr)
+        print(printable(f"analyze: {error}"), file=sys.stderr)
         return BAD_ARGUMENT
     except KeyboardInterrupt:
         print("analyze: interrupted", file=sys.stderr)
@@ -179,7 +184,7 @@ def _run(options: argparse.Namespace, say: Say) -> int:
         if options.csv or options.parquet or options.video:
             raise BagError("--csv, --parquet, --video: of one bag at a time")
         comparison = compare(options.bag, options.other, options.out, say)
-        print("\n" + "\n".join(difference_lines(comparison)))
+        print("\n" + "\n".join(map(printable, difference_lines(comparison))))
         return 0
     runs = _read(options.bag, say)
     folder = options.out or run_folder(runs[-1].path)
@@ -194,7 +199,7 @@ def _run(options: argparse.Namespace, say: Say) -> int:
         film = folder / "video.mp4"
         count = write_video(film, analysis.run, analysis.measures, analysis.phases, bar)
         say(f"wrote {film}: {count} pictures")
-    print("\n" + "\n".join(summary_lines(analysis.metrics)))
+    print("\n" + "\n".join(map(printable, summary_lines(analysis.metrics))))
     return 0
 
 

@@ -19,7 +19,7 @@ import numpy as np
 import yaml
 
 from lexstack_bag.container import Container, find_files
-from lexstack_bag.reader import Decoder
+from lexstack_bag.decoder import Decoder
 from lexstack_bag.run import Integers
 from lexstack_core.config.resolved import ResolvedScenario, load_scenario
 from lexstack_core.errors import LexstackError

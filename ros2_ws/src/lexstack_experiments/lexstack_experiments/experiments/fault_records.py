@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from lexstack_bag.container import Container, RawMessage, find_files
+from lexstack_bag.decoder import Decoder
 from lexstack_bag.errors import BagError
-from lexstack_bag.reader import Decoder
 from lexstack_core.linear import Vector
 
 FORGED = "forged"  # frame_id of what the stranger sends

@@ -17,7 +17,7 @@ import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from lexstack_bag.commands.analyze import analyze
+from lexstack_bag.commands.analyze import analyze, printable
 from lexstack_bag.folders import whose
 from lexstack_bag.goals import summary_lines
 from lexstack_core.checked import checked
@@ -190,7 +190,7 @@ def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *,
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _interrupt)
     metrics = analyze(out / "bag", out, print)
-    print("\n" + "\n".join(summary_lines(metrics)))
+    print("\n" + "\n".join(map(printable, summary_lines(metrics))))
     return 0
 
 

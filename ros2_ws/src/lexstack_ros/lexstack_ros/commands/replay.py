@@ -13,9 +13,10 @@ from rclpy.signals import SignalHandlerOptions
 
 from lexstack_bag.commands import replay as core
 from lexstack_bag.container import Container, by_log_time, find_files
+from lexstack_bag.decoder import Decoder
 from lexstack_bag.errors import BagError
 from lexstack_bag.progress import ProgressBar
-from lexstack_bag.reader import Decoder, read_facts, read_run
+from lexstack_bag.reader import read_facts, read_run
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.order import in_lockstep
 from lexstack_bag.replay.requests import requests_of
