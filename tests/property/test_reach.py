@@ -25,16 +25,14 @@ def drawn(kind, make=out_of_reach, number=0):
 
 @pytest.mark.parametrize("kind", SINGLE)
 def test_out_of_reach_the_robots_come_to_rest_as_near_as_can_be(kind):
-    motion = run(resolved(), drawn(kind), "lexstack", 10.0)
-    assert motion.rest_after() is not None
-    assert motion.sign_changes(3.0) == 0.0
+    motion = run(resolved(), drawn(kind), "lexstack", 16.0)
+    assert motion.rest_after() <= 10.0
+    assert motion.sign_changes(6.0) == 0.0
     assert motion.excess() <= 1e-6
     assert all(command.fallback == "" for command in motion.commands)
     assert all(command.undamped == "" for command in motion.commands)
-    limits, dt = team().limits, team().dt
-    ratios = np.abs(np.diff(motion.chi, axis=0)) / (dt * motion.team.limits.acceleration)
-    assert ratios.max() <= 1.0 + 1e-9
-    assert limits.n >= motion.team.limits.n
+    steps = np.abs(np.diff(motion.chi, axis=0))
+    assert (steps / (motion.team.dt * motion.team.limits.acceleration)).max() <= 1.0 + 1e-9
     assert motion.commands[-1].near[0].rows > 0
     assert "near a singularity" in motion.commands[-1].transition.reason
 
@@ -74,7 +72,7 @@ def test_back_within_reach_the_robots_are_there_within_6_s(kind):
 @pytest.mark.parametrize("kind", ["held", "base below", "posture"])
 def test_levels_that_are_not_told_are_as_strict_as_ever(kind):
     """Down to the first level that is told, damping changes no slack."""
-    stack, damper, solver = build_stack(stack_of(kind), team()), Damper(team(), team().dt), None
+    stack, damper = build_stack(stack_of(kind), team()), Damper(team(), team().dt)
     solver, limits, rng = make_solver(), team().limits, np.random.default_rng(SEED)
     compared = 0
     for _ in range(60):
