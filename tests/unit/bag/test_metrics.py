@@ -84,5 +84,6 @@ def test_the_file_has_the_promised_keys(metrics):
         "recorder_lost",
         "sequences",
         "st_over_ht",
+        "damped_share",
     ]
     assert "NaN" not in metrics.to_json()
