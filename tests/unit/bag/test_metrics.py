@@ -89,6 +89,7 @@ def test_the_file_has_the_promised_keys(metrics):
         "recorder_lost",
         "sequences",
         "st_over_ht",
+        "damped_share",
         "holding_ticks",
         "braking_ticks",
         "states_not_in_bag",

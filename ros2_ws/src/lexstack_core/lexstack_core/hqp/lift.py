@@ -129,7 +129,8 @@ class Bending:
         if self.above.levels:
             multipliers = _multipliers(self.above.rows, error.dot(self.level.matrix))
             for start, level in self.above.levels:
-                self._add(total, level, multipliers[start : start + len(level.matrix)])
+                # L = |e|^2 / 2 + lambda . x: what is above counts with the other sign than e.
+                self._add(total, level, -multipliers[start : start + len(level.matrix)])
         free = self.above.free
         result: Matrix = free.T.dot(total).dot(free)
         return result
@@ -192,6 +193,8 @@ def lift(
     """
     reduced = level.matrix.dot(above.free)
     u, values, vt = np.linalg.svd(reduced)
+    if not math.isfinite(float(values.sum())):
+        raise np.linalg.LinAlgError("a level is not finite")
     size = len(values)
     if size < len(level.matrix) and level.curved:
         least = 0.0  # fewer freedoms than rows: some direction of the task is lost

@@ -53,7 +53,8 @@ def regular_levels(levels: list[GroupLevel], sides: Vector | None) -> int:
             tested = own.T.dot(own)
             tested += _STIFF * above.T.dot(above)
             tested.reshape(-1)[:: len(tested) + 1] -= threshold
-        if dpotrf(tested, 1, 0, 1)[1] != 0:
+        factor, failed = dpotrf(tested, 1, 0, 1)
+        if failed or not factor[-1, -1] > 0.0:  # of numbers that are none it says nothing
             return place
     return len(levels)
 

@@ -1,0 +1,187 @@
+"""Damping near singularities: what it is made from, and that nothing else changes."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from lexstack_core.bounds import Bounds, target_bounds
+from lexstack_core.config.stack import LevelConfig, StackConfig, TaskConfig
+from lexstack_core.hqp import Damper, HqpProblem, blocked, damping, make_solver
+from lexstack_core.hqp.curvature import add_curvature
+from lexstack_core.model import Pose
+from lexstack_core.references import References
+from lexstack_core.stack import build_stack
+from support.scenario import home, random_q, state_at, team
+
+BOTH = {"relative_pose": {"other": "robot_b"}}
+STRETCHED = [0.0, -0.2554, 0.0, -0.4670, 0.0, 3.0348, 0.0]  # the tool is as high as can be
+
+
+def stack_of(*kinds, robot=None, weight=1.0):
+    levels = tuple(
+        LevelConfig(
+            (
+                TaskConfig(
+                    kind,
+                    robot="robot_a" if kind in BOTH else robot,
+                    weight=weight,
+                    parameters=BOTH.get(kind, {}),
+                ),
+            )
+        )
+        for kind in kinds
+    )
+    return build_stack(StackConfig("s", "", levels), team())
+
+
+def stretched():
+    """Return both robots with their arms straight up."""
+    q = home()
+    for part in team().slices:
+        q[part][3:] = STRETCHED
+    return q
+
+
+def references(q, aim=(0.0, 0.0, 1.0), base=0.0):
+    tools = team().tools(q)
+    poses = tuple(Pose(tool.position + np.array(aim), tool.rotation) for tool in tools)
+    return References(poses, tuple(q[part][:3] + base for part in team().slices))
+
+
+def problem_at(stack, q, aim=(0.0, 0.0, 1.0), base=0.0):
+    kinematics = team().kinematics(state_at(q))
+    levels = stack.linearise(kinematics, references(q, aim, base))
+    return HqpProblem(levels, target_bounds(q, team().limits, team().dt)), kinematics
+
+
+def damped_at(stack, q, **options):
+    given, kinematics = problem_at(stack, q, **options)
+    return given, Damper(team(), team().dt).damped(given, kinematics, team().limits)
+
+
+@pytest.mark.parametrize("kind", ["ee_pose", "ee_position", "relative_pose"])
+@pytest.mark.parametrize("weight", [1.0, 4.0])
+def test_the_curvature_of_a_task_is_the_second_derivative_of_its_rows(kind, weight):
+    rng = np.random.default_rng(5)
+    stack, q = stack_of(kind, robot="robot_a", weight=weight), random_q(rng)
+    goals = references(q, rng.normal(size=3))
+    task = stack.linearise(team().kinematics(state_at(q)), goals)[0][0]
+    weights = rng.normal(size=task.lower.size)
+    kinematics = team().kinematics(state_at(q))
+    found = np.zeros((team().n, team().n))
+    add_curvature(found, task, weights, kinematics, dict(enumerate(team().slices)))
+    step = 1e-6
+    columns = []
+    for i in range(team().n):
+        moved = []
+        for sign in (step, -step):
+            there = q.copy()
+            there[i] += sign
+            rows = stack.linearise(team().kinematics(state_at(there)), goals)[0][0].matrix
+            moved.append(weights @ rows)
+        columns.append((moved[0] - moved[1]) / (2.0 * step))
+    expected = -np.array(columns)
+    np.testing.assert_allclose(found, 0.5 * (expected + expected.T), atol=1e-6 * weight)
+
+
+def test_where_all_levels_are_regular_the_problem_is_the_very_same_one():
+    for kinds in (("ee_pose", "base"), ("ee_pose", "posture"), ("base", "ee_pose")):
+        given, damped = damped_at(stack_of(*kinds), home(), aim=(0.1, 0.0, 0.1), base=0.1)
+        assert damped.problem is given, kinds
+        assert damped.near == ()
+
+
+def test_a_stretched_arm_whose_target_is_beyond_gets_rows_and_says_so():
+    given, damped = damped_at(stack_of("ee_position", robot="robot_a"), stretched())
+    assert damped.problem is not given
+    (near,) = damped.near
+    assert (near.level, near.tasks) == (0, "robot_a/ee_position")
+    assert near.sigma < 0.15
+    assert near.rows > 0
+    assert damped.problem.levels[0][0].matrix is given.levels[0][0].matrix
+
+
+def test_rows_of_one_robot_are_zero_for_all_others():
+    _, damped = damped_at(stack_of("ee_pose"), stretched())
+    added = [task for task in damped.problem.levels[0] if "damping" in task.name]
+    assert len(added) == 2
+    for task, other in zip(added, reversed(team().slices), strict=True):
+        assert not task.matrix[:, other].any()
+
+
+def test_slacks_and_rows_are_those_of_the_problem_as_it_was_given():
+    stack = stack_of("distance", "ee_position", "minimum_velocity")
+    given, damped = damped_at(stack, stretched())
+    assert damped.problem is not given
+    solver = make_solver()
+    first = damped.own(solver.solve(damped.problem, damped.warm(None)))
+    again = damped.own(solver.solve(damped.problem, damped.warm(first)))
+    np.testing.assert_allclose(again.chi, first.chi, atol=1e-9)
+    rows = sum(task.lower.size for level in given.levels for task in level)
+    assert first.rows.size == rows
+    assert solver.solve(given, first).solved
+    for k, level in enumerate(given.levels):
+        residual = np.concatenate([task.residual(first.chi) for task in level])
+        assert first.slacks[k] == pytest.approx(np.linalg.norm(residual))
+    names = {task.name for level in given.levels for task in level}
+    assert all(entry.task in names for entry in blocked(given, first))
+
+
+def test_an_inequality_row_keeps_holding_where_a_level_below_is_damped():
+    stack = stack_of("distance", "ee_position", "minimum_velocity")
+    given, damped = damped_at(stack, stretched())
+    solution = make_solver().solve(damped.problem)
+    for task in given.levels[0]:
+        assert np.abs(task.residual(solution.chi)).max(initial=0.0) <= 1e-9
+
+
+def test_what_is_no_number_leaves_the_problem_as_it_is_and_is_said():
+    given, kinematics = problem_at(stack_of("ee_pose"), stretched())
+    task = given.levels[0][0]
+    spoilt = dataclasses.replace(task, matrix=np.full_like(task.matrix, np.nan))
+    given = HqpProblem(((spoilt, given.levels[0][1]),), given.bounds)
+    damped = Damper(team(), team().dt).damped(given, kinematics, team().limits)
+    assert damped.problem is given
+    assert "no damping" in damped.failure
+
+
+def test_a_factorisation_that_fails_leaves_the_problem_as_it_is_and_is_said(monkeypatch):
+    def fail(*_args):
+        raise np.linalg.LinAlgError("SVD did not converge")
+
+    monkeypatch.setattr(damping, "lift", fail)
+    given, damped = damped_at(stack_of("ee_pose"), stretched())
+    assert damped.problem is given
+    solution = damped.own(make_solver().solve(given))
+    assert solution.solved
+    assert "SVD did not converge" in solution.undamped
+
+
+def test_no_task_and_an_empty_team_of_levels_are_regular():
+    n = team().n
+    given = HqpProblem((), Bounds(-np.ones(n), np.ones(n)))
+    kinematics = team().kinematics(state_at(home()))
+    assert Damper(team(), team().dt).damped(given, kinematics, team().limits).problem is given
+
+
+def test_a_level_close_to_a_singularity_is_told_even_where_it_needs_no_damping():
+    q = stretched()
+    for part in team().slices:
+        q[part][4] += 0.5 * np.pi  # forward: the base cannot go back with the tool where it is
+    stack = stack_of("ee_position", "base", robot="robot_a")
+    given, damped = damped_at(stack, q, aim=(0.0, 0.0, 0.0), base=np.array([1.0, 0.0, 0.0]))
+    assert damped.problem is given
+    assert [(near.level, near.rows) for near in damped.near] == [(1, 0)]
+    solution = damped.own(make_solver().solve(damped.problem))
+    assert str(solution.near[0]).startswith("level 1: robot_a/base (sigma ")
+
+
+def test_a_level_below_is_damped_by_what_the_level_above_bends():
+    """The base cannot go back with the tool of a stretched arm where it is."""
+    q = stretched()
+    for part in team().slices:
+        q[part][4] += 0.5 * np.pi
+    stack = stack_of("ee_position", "base", robot="robot_a")
+    _, damped = damped_at(stack, q, aim=(0.0, 0.0, 0.0), base=np.array([-1.0, 0.0, 0.0]))
+    assert [(near.level, near.rows > 0) for near in damped.near] == [(1, True)]
