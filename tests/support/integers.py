@@ -10,7 +10,7 @@ SCALES = ("one", "levels", "rows", "weights", "dense")
 
 
 def integer_problem(rng, scales, n, sizes, soft=0.4):
-    """Return a problem of ``n`` joints and levels of ``sizes`` rows, many of its vertices degenerate.
+    """Return a problem of ``n`` joints and levels of ``sizes`` rows, often degenerate.
 
     Args:
         rng: of everything random in it.
@@ -21,7 +21,10 @@ def integer_problem(rng, scales, n, sizes, soft=0.4):
         soft: the share of inequality rows.
     """
     levels = tuple(_level(rng, scales, n, m, soft) for m in sizes)
-    lower, upper = -rng.integers(0, 4, size=n).astype(float), rng.integers(0, 4, size=n).astype(float)
+    lower, upper = (
+        -rng.integers(0, 4, size=n).astype(float),
+        rng.integers(0, 4, size=n).astype(float),
+    )
     if rng.random() < 0.15:
         upper[rng.integers(n)] = 1e5 * rng.integers(1, 9)
     return HqpProblem(levels, Bounds(lower, upper))

@@ -41,7 +41,9 @@ def test_no_step_inside_the_box_makes_the_first_level_smaller(seed):
     )
     least = square(given.levels[0], chi)
     for _ in range(40):
-        step = [Fraction(int(k), 2 ** int(rng.integers(1, 60))) for k in rng.integers(-9, 10, len(chi))]
+        step = [
+            Fraction(int(k), 2 ** int(rng.integers(1, 60))) for k in rng.integers(-9, 10, len(chi))
+        ]
         near = [
             min(max(x + s, Fraction(low)), Fraction(high))
             for x, s, low, high in zip(
