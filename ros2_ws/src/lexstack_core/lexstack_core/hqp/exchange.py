@@ -85,7 +85,9 @@ def solve_by_exchange(
         held = hold(hierarchy, chi, (lower, upper), guess, FEASIBILITY)
         if held and left == 0:
             return None
-        wrong = held + (release(hierarchy, steps, chi, guess, fixed, bands) if steps else 0)
+        wrong = held
+        if steps is not None:
+            wrong += release(hierarchy, steps, chi, guess, fixed, bands)
         if not wrong:
             return chi
         if changes is not None and wrong > changes:
@@ -104,10 +106,10 @@ def hold_fixed(guess: Guess, lower: Vector, upper: Vector) -> Mask | None:
 
 def point_of(
     hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Guess, bands: Bands | None
-) -> tuple[Vector, list[Step]]:
-    """Return the optimum with what is held as equations, and the chain to it if anything presses.
+) -> tuple[Vector, list[Step] | None]:
+    """Return the optimum with what is held as equations, and the chain to it.
 
-    It is not finite where there is none.
+    The optimum is not finite where there is none. The chain is None where nothing is held.
     """
     chi, basis = hierarchy.nearest.copy(), None
     if np.count_nonzero(guess.joints):
@@ -121,7 +123,7 @@ def point_of(
         steps = lay_chain(hierarchy, guess.rows, basis, chi, pressing=True)
         if not settle(steps, bands, begin, chi):
             chi[:] = np.nan
-    return chi, steps if pressing else []
+    return chi, steps if pressing else None
 
 
 @lru_cache(maxsize=64)

@@ -76,7 +76,7 @@ def _one_by_one(
             return None
         before = guess.copy()
         wrong = hold(hierarchy, chi, box, guess, _NEARLY)
-        if steps:
+        if steps is not None:
             wrong += release(hierarchy, steps, chi, guess, fixed, bands)
         if not wrong:
             return chi
