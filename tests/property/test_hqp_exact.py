@@ -40,7 +40,7 @@ def assert_exact(problem, solution, name):
         assert slack <= least + CLOSE * size * norm, (name, k, slack, least)
 
 
-@settings(max_examples=120, derandomize=True, deadline=None)
+@settings(max_examples=60, derandomize=True, deadline=None)
 @given(seed=SEEDS, other=SEEDS)
 @pytest.mark.parametrize("scales", SCALES)
 def test_cold_and_warm_answers_are_the_exact_ones_at_any_scale(scales, seed, other):
@@ -65,12 +65,12 @@ def test_inequality_rows_of_any_size_that_cannot_all_hold(scales, seed):
 
 
 @pytest.mark.parametrize("scales", SCALES)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_long_train_of_warm_starts_never_leaves_the_exact_answers(seed, scales):
     rng = np.random.default_rng((seed, SCALES.index(scales)))
     n, sizes = shape(rng)
     warm = dict.fromkeys(SOLVERS)
-    for _ in range(40):
+    for _ in range(25):
         whole = integer_problem(rng, scales, n, sizes)
         for name, solver in SOLVERS.items():
             warm[name] = solver.solve(whole, warm[name])

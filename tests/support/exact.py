@@ -94,43 +94,51 @@ def _level(level, equations, walls, box):
     up and down from zero; and the distance of each inequality row to each of its ends.
     """
     offset, columns = _coordinates(*box)
-    width = len(columns)
-    objective, constraints, distances = [], [], 0
+    objective, constraints = [], []
     for row, low, high in level:
         place, constant = _placed(row, offset, columns)
         if low == high:
             objective.append((place, low - constant))
-            continue
-        for sign, end in ((1, low), (-1, high)):
-            if abs(end) != inf:
-                own = [sign * a for a in place] + [Fraction(0)] * distances + [Fraction(1)]
-                constraints.append((own, sign * (end - constant)))
-                distances += 1
+        else:
+            constraints += _sides(place, low, high, constant)
+    distances = len(constraints)
+    for k, (place, _) in enumerate(constraints):
+        place += [Fraction(int(k == own)) for own in range(distances)]
     for row, value in equations:
         place, constant = _placed(row, offset, columns)
-        constraints.append((place, value - constant))
-        constraints.append(([-a for a in place], constant - value))
+        constraints += _sides(place, value, value, constant)
     for row, low, high in [*walls, *_box_rows(box)]:
         place, constant = _placed(row, offset, columns)
-        for sign, end in ((1, low), (-1, high)):
-            if abs(end) != inf:
-                constraints.append(([sign * a for a in place], sign * (end - constant)))
+        constraints += _sides(place, low, high, constant)
+    total = len(columns) + distances
+    padded = [(row + [Fraction(0)] * (total - len(row)), end) for row, end in constraints]
+    z = _quadratic(*_squares(objective, len(columns), distances), padded)
+    chi = list(offset)
+    for (joint, sign), value in zip(columns, z, strict=False):
+        chi[joint] += sign * value
+    return chi
+
+
+def _sides(place, low, high, constant):
+    """Return ``row z >= end`` for each end of a row that is finite."""
+    return [
+        ([sign * a for a in place], sign * (end - constant))
+        for sign, end in ((1, low), (-1, high))
+        if abs(end) != inf
+    ]
+
+
+def _squares(objective, width, distances):
+    """Return H and g of half the sum of the squares of residuals and distances."""
     total = width + distances
-    hessian = [[Fraction(0)] * total for _ in range(total)]
+    hessian = [[Fraction(int(i == j and i >= width)) for j in range(total)] for i in range(total)]
     gradient = [Fraction(0)] * total
     for row, target in objective:
         for i in (i for i in range(width) if row[i]):
             gradient[i] -= row[i] * target
             for j in range(width):
                 hessian[i][j] += row[i] * row[j]
-    for i in range(width, total):
-        hessian[i][i] = Fraction(1)
-    padded = [(row + [Fraction(0)] * (total - len(row)), end) for row, end in constraints]
-    z = _quadratic(hessian, gradient, padded)
-    chi = list(offset)
-    for (joint, sign), value in zip(columns, z, strict=False):
-        chi[joint] += sign * value
-    return chi
+    return hessian, gradient
 
 
 def _coordinates(lower, upper):

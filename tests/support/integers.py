@@ -10,7 +10,7 @@ SCALES = ("one", "levels", "rows", "weights", "dense")
 
 
 def integer_problem(rng, scales, n, sizes, soft=0.4):
-    """Return a problem of ``n`` joints and levels of ``sizes`` rows, many of its vertices degenerate.
+    """Return a problem of ``n`` joints and levels of ``sizes`` rows, often degenerate.
 
     Args:
         rng: of everything random in it.

@@ -1,8 +1,8 @@
 """The rows of a level in bands of different size: what the large ones give way to the small ones.
 
-A level minimises sum_b w_b^2 ||E_b chi - t_b||^2, with E_b the rows of band b, divided by w_b. Solved
-like levels, the bands give the limit in which every w_b is infinitely larger than the next one. At
-the true optimum the gradients balance in the directions that band b sees,
+A level minimises sum_b w_b^2 ||E_b chi - t_b||^2, with E_b the rows of band b, divided by w_b.
+Solved like levels, the bands give the limit in which every w_b is infinitely larger than the next
+one. At the true optimum the gradients balance in the directions that band b sees,
 
     w_b^2 E_b' (E_b chi - t_b) + sum over c below b: w_c^2 E_b' mu_cb = 0,
 
@@ -17,8 +17,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lexstack_core.hqp.chain import Step
 from lexstack_core.hqp.scaling import Bands
-from lexstack_core.hqp.step import Step
 from lexstack_core.linear import Vector
 
 _PASSES = 60

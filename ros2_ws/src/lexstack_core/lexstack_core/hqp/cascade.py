@@ -117,7 +117,7 @@ class NullSpaceCascade:
         bands: Bands | None,
     ) -> Vector | None:
         """Return the optimum if the last active set, or one that the backend foresees, is its."""
-        chi = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, _FEW, bands)
+        chi = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, changes=_FEW, bands=bands)
         if chi is not None:
             return chi
         try:
@@ -127,12 +127,12 @@ class NullSpaceCascade:
         if sides is None:
             return None
         foreseen = Guess.split(hierarchy, sides)
-        return solve_by_exchange(hierarchy, lower, upper, foreseen, _ROUNDS, None, bands)
+        return solve_by_exchange(hierarchy, lower, upper, foreseen, _ROUNDS, bands=bands)
 
     def _descend(
         self, levels: list[LevelRows], lower: Vector, upper: Vector, chi: Vector, held: Signs
     ) -> tuple[Vector, int, str]:
-        """Solve level by level from a chi inside the bounds; return chi, where it stopped and why."""
+        """Solve level by level from a chi inside the bounds; return chi, where it ended and why."""
         basis: Matrix = np.eye(lower.size)[:, upper - lower > FEASIBILITY]
         walls = [Walls.of_bounds(lower, upper)]
         for k, level in enumerate([*levels, _smallest(lower.size)]):

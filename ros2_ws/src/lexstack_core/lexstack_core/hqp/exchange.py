@@ -17,11 +17,10 @@ from functools import lru_cache
 import numpy as np
 
 from lexstack_core.hqp.bands import settle
-from lexstack_core.hqp.factor import factorise, factorise_full
+from lexstack_core.hqp.chain import Step, lay_chain
 from lexstack_core.hqp.judge import Balance, judge
-from lexstack_core.hqp.rows import FEASIBILITY, Hierarchy, LevelRows, Mask, Signs, noise
+from lexstack_core.hqp.rows import FEASIBILITY, Hierarchy, Mask, Signs, noise
 from lexstack_core.hqp.scaling import Bands
-from lexstack_core.hqp.step import Step
 from lexstack_core.linear import Matrix, Vector
 
 
@@ -59,10 +58,9 @@ def solve_by_exchange(
     upper: Vector,
     guess: Guess,
     rounds: int,
+    *,
     changes: int | None = None,
     bands: Bands | None = None,
-    inside: float = FEASIBILITY,
-    single: bool = False,
 ) -> Vector | None:
     """Return the exact optimum chi, shape (n,), or None if no guess in ``rounds`` was right.
 
@@ -78,41 +76,54 @@ def solve_by_exchange(
         rounds: the number of guesses to try.
         changes: give up where a guess was wrong in more places; None: never.
         bands: how the levels were divided, if they were.
-        inside: how far outside its interval a joint or row still counts as inside.
-        single: exchange only the first wrong place of each round, which cannot cycle (Murty 1974).
     """
-    fixed = upper - lower <= FEASIBILITY
-    if np.count_nonzero(fixed):
-        guess.joints[fixed] = 1
-    else:
-        fixed = None
+    fixed = hold_fixed(guess, lower, upper)
     for left in range(rounds - 1, -1, -1):
-        chi, basis = hierarchy.nearest.copy(), None
-        if np.count_nonzero(guess.joints):
-            chi = _on_bounds(guess.joints, lower, upper, chi)
-            basis = _unit(chi.size).compress(guess.joints == 0, axis=1)
-        pressing = basis is not None or bool(np.count_nonzero(guess.rows))
-        begin = chi.copy() if bands is not None and bands.several else None
-        steps = _chain(hierarchy, guess.rows, basis, chi, pressing or begin is not None)
-        if begin is not None and not settle(steps, bands, begin, chi):
+        chi, steps = point_of(hierarchy, lower, upper, guess, bands)
+        if not math.isfinite(chi.dot(chi)):
             return None
-        square = chi.dot(chi)
-        if not math.isfinite(square):
-            return None
-        before = guess.copy() if single else guess
-        held = _hold_violated(chi, lower, upper, guess.joints, inside, square)
-        if not hierarchy.exact:
-            held += _hold_rows(hierarchy, chi, guess.rows, inside, square)
+        held = hold(hierarchy, chi, (lower, upper), guess, FEASIBILITY)
         if held and left == 0:
             return None
-        wrong = held + (_release(hierarchy, steps, chi, guess, fixed, bands) if pressing else 0)
+        wrong = held
+        if steps is not None:
+            wrong += release(hierarchy, steps, chi, guess, fixed, bands)
         if not wrong:
             return chi
         if changes is not None and wrong > changes:
             return None
-        if single:
-            guess.keep_first_change(before)
     return None
+
+
+def hold_fixed(guess: Guess, lower: Vector, upper: Vector) -> Mask | None:
+    """Hold the joints that cannot move; return which these are, shape (n,), or None for none."""
+    fixed = upper - lower <= FEASIBILITY
+    if not np.count_nonzero(fixed):
+        return None
+    guess.joints[fixed] = 1
+    return fixed
+
+
+def point_of(
+    hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Guess, bands: Bands | None
+) -> tuple[Vector, list[Step] | None]:
+    """Return the optimum with what is held as equations, and the chain to it.
+
+    The optimum is not finite where there is none. The chain is None where nothing is held.
+    """
+    chi, basis = hierarchy.nearest.copy(), None
+    if np.count_nonzero(guess.joints):
+        chi = _on_bounds(guess.joints, lower, upper, chi)
+        basis = _unit(chi.size).compress(guess.joints == 0, axis=1)
+    pressing = basis is not None or bool(np.count_nonzero(guess.rows))
+    if bands is None or not bands.several:
+        steps = lay_chain(hierarchy, guess.rows, basis, chi, pressing)
+    else:
+        begin = chi.copy()
+        steps = lay_chain(hierarchy, guess.rows, basis, chi, pressing=True)
+        if not settle(steps, bands, begin, chi):
+            chi[:] = np.nan
+    return chi, steps if pressing else None
 
 
 @lru_cache(maxsize=64)
@@ -133,74 +144,19 @@ def _on_bounds(joints: Signs, lower: Vector, upper: Vector, nearest: Vector) -> 
     return chi
 
 
-def _chain(
-    hierarchy: Hierarchy, rows: Signs, basis: Matrix | None, chi: Vector, pressing: bool
-) -> list[Step]:
-    """Move chi to the lexicographic least-squares point of a guess; return the steps to it.
-
-    Args:
-        hierarchy: all levels.
-        rows: which inequality rows are held, shape (M,).
-        basis: the free joints, shape (n, r); None for all.
-        chi: where the chain begins, the held joints at their bounds, shape (n,); moved in place.
-        pressing: whether the steps behind the last freedom are of interest too.
-    """
-    levels, above = hierarchy.deciding, 0
-    steps: list[Step] = []
-    first = _merged(hierarchy, basis) if hierarchy.mergeable > 1 else None
-    if first is not None:
-        levels, above = levels[hierarchy.mergeable :], hierarchy.mergeable
-        steps.append(first)
-        basis = _move(first, chi, not levels)
-    for k, level in enumerate(levels, start=1):
-        if basis is not None and basis.shape[1] == 0 and not pressing:
-            break
-        last = k == len(levels)
-        if not (level.exact or level.equal.any() or rows[level.part].any()):
-            continue  # no row of it asks for anything
-        step = _step(level, above + k - 1, rows, basis, last)
-        steps.append(step)
-        basis = _move(step, chi, last)
-    return steps
-
-
-def _merged(hierarchy: Hierarchy, basis: Matrix | None) -> Step | None:
-    """Return the first levels as one, if they can all be met: then their order does not matter."""
-    count = hierarchy.mergeable
-    levels = hierarchy.deciding[:count]
-    end = levels[-1].part.stop
-    rows = hierarchy.matrix[:end]
-    if end == 0 or (basis is not None and end > basis.shape[1]):
-        return None
-    tolerance = max([level.tolerance for level in levels])
-    reduced = rows if basis is None else rows.dot(basis)
-    factor = factorise_full(reduced, tolerance, count == len(hierarchy.deciding))
-    if factor is None:
-        return None
-    return Step(-1, rows, hierarchy.lower[:end], None, basis, factor)
-
-
-def _step(level: LevelRows, k: int, rows: Signs, basis: Matrix | None, last: bool) -> Step:
-    """Return the step of level k, with its held rows, in the directions of ``basis``."""
-    if level.exact:
-        matrix, target, chosen = level.matrix, level.lower, None
-    else:
-        sides = rows[level.part]
-        local = np.flatnonzero(level.equal | (sides != 0))
-        matrix = level.matrix[local]
-        target = np.where(sides < 0, level.lower, level.upper)[local]
-        chosen = local + level.part.start
-    reduced = matrix if basis is None else matrix.dot(basis)
-    return Step(k, matrix, target, chosen, basis, factorise(reduced, level.tolerance, last))
-
-
-def _move(step: Step, chi: Vector, last: bool) -> Matrix | None:
-    """Move chi to the optimum of a step; return the directions that it leaves, None if last."""
-    step.move(chi)
-    if last:
-        return None
-    left: Matrix = step.factor.null if step.basis is None else step.basis.dot(step.factor.null)
-    return left
+def hold(
+    hierarchy: Hierarchy,
+    chi: Vector,
+    box: tuple[Vector, Vector],
+    guess: Guess,
+    inside: float,
+) -> int:
+    """Hold what chi violates by more than ``inside``; return how much that is."""
+    square = chi.dot(chi)
+    held = _hold_violated(chi, *box, guess.joints, inside, square)
+    if not hierarchy.exact:
+        held += _hold_rows(hierarchy, chi, guess.rows, inside, square)
+    return held
 
 
 def _hold_rows(hierarchy: Hierarchy, chi: Vector, rows: Signs, inside: float, square: float) -> int:
@@ -231,7 +187,7 @@ def _hold_violated(
     return int(np.count_nonzero(violated))
 
 
-def _release(
+def release(
     hierarchy: Hierarchy,
     steps: list[Step],
     chi: Vector,

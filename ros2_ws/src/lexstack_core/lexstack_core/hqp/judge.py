@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lexstack_core.hqp.chain import Step
 from lexstack_core.hqp.rows import MULTIPLIER, Signs, noise
 from lexstack_core.hqp.scaling import Bands
-from lexstack_core.hqp.step import Step
 from lexstack_core.linear import Matrix, Vector
 
 

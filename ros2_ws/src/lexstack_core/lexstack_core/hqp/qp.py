@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from lexstack_core.hqp.rows import FEASIBILITY, RANK_TOLERANCE, Hierarchy, Mask, Signs
+from lexstack_core.hqp.rows import FEASIBILITY, RANK_TOLERANCE, Hierarchy, Mask, Signs, noise
 from lexstack_core.linear import Matrix, Vector
 
 FAR = 1e30  # a bound that no solver reaches
@@ -63,7 +63,8 @@ class LevelQp:
         """Whether x is inside all rows, up to rounding."""
         value = self.rows.dot(x)
         excess = np.maximum(value - self.upper, self.lower - value)
-        return bool(excess.max(initial=0.0) <= FEASIBILITY)
+        inside = max(FEASIBILITY, noise(float(np.abs(x).max(initial=0.0))))
+        return bool(excess.max(initial=0.0) <= inside)
 
     def limits(self) -> tuple[Vector, Vector]:
         """Return the bounds of the rows, finite."""

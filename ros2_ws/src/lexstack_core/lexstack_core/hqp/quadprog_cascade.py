@@ -11,8 +11,8 @@ from lexstack_core.hqp.rows import Hierarchy, Signs
 from lexstack_core.linear import Vector
 
 # It factors H, so a level that does not use all freedom needs a proximal term; the second one is
-# for levels that are singular but for rounding. Where the feasible set has no interior, quadprog may
-# find it empty, though z = 0 is in it: then its ends are opened a little.
+# for levels that are singular but for rounding. Where the feasible set has no interior, quadprog
+# may find it empty, though z = 0 is in it: then its ends are opened a little.
 _ATTEMPTS = ((1e-9, 0.0), (1e-6, 0.0), (1e-9, 1e-9), (1e-6, 1e-7))
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from lexstack_core.hqp.factor import Factor, factorise
 from lexstack_core.hqp.qp import LevelQp
-from lexstack_core.hqp.rows import FEASIBILITY, MULTIPLIER, Signs
+from lexstack_core.hqp.rows import FEASIBILITY, MULTIPLIER, Signs, noise
 from lexstack_core.linear import Matrix, Vector
 
 _STEPS = 100  # for up to 100 rows, more in proportion
@@ -74,7 +74,7 @@ def refine(qp: LevelQp, sides: Signs) -> Point | str:
         if row < 0:
             pulled = sides * corner.pressed
             worst = int(np.argmin(pulled)) if pulled.size else -1
-            if worst < 0 or pulled[worst] >= -MULTIPLIER:
+            if worst < 0 or pulled[worst] >= -_zero(qp, corner):
                 return _point(qp, corner, sides)
             x = corner.x
             sides[worst] = 0
@@ -103,15 +103,29 @@ def _corner(qp: LevelQp, x: Vector, sides: Signs) -> _Corner:
     return _Corner(corner, pressed, walls, factor)
 
 
+def _zero(qp: LevelQp, corner: _Corner) -> float:
+    """Return below which size a multiplier is rounding of the numbers that it was made of."""
+    length = math.sqrt(corner.x.dot(corner.x))
+    goal = math.sqrt(qp.target.dot(qp.target))
+    forces = math.sqrt(corner.pressed.dot(corner.pressed))
+    return max(MULTIPLIER, noise(qp.norm * (qp.norm * length + goal) + forces))
+
+
+def _inside(x: Vector) -> float:
+    """Return how far outside a row x may be and still count as inside."""
+    return max(FEASIBILITY, noise(float(np.abs(x).max(initial=0.0))))
+
+
 def _reach(qp: LevelQp, x: Vector, corner: Vector, sides: Signs) -> tuple[float, int]:
     """Return how far from x to the corner all rows hold, and the row in the way or -1."""
     value = qp.rows.dot(corner)
     excess = np.maximum(value - qp.upper, qp.lower - value)
     # Next to a singularity the corner is far away, and held rows hold with its rounding only.
     excess[sides != 0] -= _ROUNDING * float(np.abs(corner).max(initial=0.0))
-    if excess.max(initial=0.0) <= FEASIBILITY:
+    inside = _inside(corner)
+    if excess.max(initial=0.0) <= inside:
         return 1.0, -1
-    outside = np.flatnonzero(excess > FEASIBILITY)
+    outside = np.flatnonzero(excess > inside)
     way = np.abs(value[outside] - qp.rows[outside].dot(x))
     part = 1.0 - excess[outside] / np.maximum(way, excess[outside])
     first = int(np.argmin(part))
@@ -124,7 +138,7 @@ def _point(qp: LevelQp, corner: _Corner, sides: Signs) -> Point:
     A row with a multiplier holds for every optimum of the level: kept as an inequality, it would
     leave the levels below a feasible set without interior, where solvers stall.
     """
-    felt = np.abs(corner.pressed) > MULTIPLIER
+    felt = np.abs(corner.pressed) > _zero(qp, corner)
     if qp.slacks == 0:
         if np.count_nonzero(felt) == np.count_nonzero(sides):
             null = corner.walls.null.dot(corner.objective.null)
@@ -133,7 +147,7 @@ def _point(qp: LevelQp, corner: _Corner, sides: Signs) -> Point:
         return Point(corner.x, null, np.zeros(0, dtype=np.bool_))
     s = qp.slacks
     z, w = corner.x[:-s], corner.x[-s:]
-    broken = np.abs(w) * qp.norm > FEASIBILITY
+    broken = np.abs(w) * qp.norm > _inside(corner.x)
     rows = qp.rows[:-s, :-s][felt[:-s]]
     objective = np.concatenate((qp.objective[:-s, :-s], qp.rows[-s:, :-s][broken]))
     return Point(z, _null(rows, objective, qp.tolerance), broken)

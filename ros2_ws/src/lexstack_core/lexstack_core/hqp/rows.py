@@ -107,7 +107,7 @@ class Hierarchy:
             self.upper = np.concatenate([task.upper for task in tasks], dtype=float)
             self.equal = self.lower == self.upper
             self.exact = bool(self.equal.all())
-        self._divide([sum([task.lower.size for task in level]) for level in levels])
+        self.divide([sum([task.lower.size for task in level]) for level in levels])
 
     @classmethod
     def of_rows(
@@ -126,11 +126,11 @@ class Hierarchy:
         made = cls.__new__(cls)
         made.matrix, made.lower, made.upper, made.equal = rows
         made.exact = bool(made.equal.all())
-        made._divide(sizes, parted)
+        made.divide(sizes, parted)
         made.mergeable = min(made.mergeable, *parted, len(sizes))
         return made
 
-    def _divide(self, sizes: list[int], parted: frozenset[int] = frozenset()) -> None:
+    def divide(self, sizes: list[int], parted: frozenset[int] = frozenset()) -> None:
         """Make the levels of the stacked rows."""
         self.levels: list[LevelRows] = []
         self.deciding: list[LevelRows] = []

@@ -11,6 +11,7 @@ sizes (`bands.py`).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -131,7 +132,7 @@ def _groups(values: list[int]) -> list[list[int]]:
     """Cut falling exponents at every wide gap, and at the widest one where a group is too long."""
     if len(values) == 1:
         return [values]
-    gaps = [above - below for above, below in zip(values, values[1:], strict=False)]
+    gaps = [above - below for above, below in pairwise(values)]
     widest = max(gaps)
     if widest < _GAP and values[0] - values[-1] <= _SPREAD:
         return [values]

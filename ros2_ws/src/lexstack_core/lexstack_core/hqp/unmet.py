@@ -12,7 +12,14 @@ import math
 
 import numpy as np
 
-from lexstack_core.hqp.exchange import Guess, solve_by_exchange
+from lexstack_core.hqp.exchange import (
+    Guess,
+    hold,
+    hold_fixed,
+    point_of,
+    release,
+    solve_by_exchange,
+)
 from lexstack_core.hqp.rows import FEASIBILITY, Hierarchy, Signs, noise
 from lexstack_core.hqp.scaling import Bands
 from lexstack_core.linear import Vector
@@ -43,17 +50,38 @@ def with_weights(
     joints: Signs = np.zeros(chi.size, dtype=np.int8)
     joints[chi - lower <= near] = -1
     joints[upper - chi <= near] = 1
-    for rounds, inside in ((_ROUNDS, FEASIBILITY), (_SINGLE_ROUNDS, _NEARLY)):
-        guess = Guess(joints.copy(), hierarchy.touched(chi))
-        single = rounds == _SINGLE_ROUNDS
-        found = solve_by_exchange(
-            hierarchy, lower, upper, guess, rounds, None, bands, inside, single
-        )
-        if found is not None:
-            return np.minimum(np.maximum(found, lower), upper), ""
+    guess = Guess(joints, hierarchy.touched(chi))
+    careful = guess.copy()
+    found = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, bands=bands)
+    if found is None:
+        found = _one_by_one(hierarchy, bands, box, careful)
+    if found is not None:
+        return np.minimum(np.maximum(found, lower), upper), ""
     if bands.gap() >= _ENORMOUS:
         return chi, ""
     return chi, f"level {unmet}: its rows differ too much in size"
+
+
+def _one_by_one(
+    hierarchy: Hierarchy, bands: Bands, box: tuple[Vector, Vector], guess: Guess
+) -> Vector | None:
+    """Return the optimum, found by exchanging only the first wrong place of each guess.
+
+    Murty's rule of the least index: it takes longer, and it cannot cycle.
+    """
+    fixed = hold_fixed(guess, *box)
+    for _ in range(_SINGLE_ROUNDS):
+        chi, steps = point_of(hierarchy, *box, guess, bands)
+        if not math.isfinite(chi.dot(chi)):
+            return None
+        before = guess.copy()
+        wrong = hold(hierarchy, chi, box, guess, _NEARLY)
+        if steps is not None:
+            wrong += release(hierarchy, steps, chi, guess, fixed, bands)
+        if not wrong:
+            return chi
+        guess.keep_first_change(before)
+    return None
 
 
 def _unmet(hierarchy: Hierarchy, bands: Bands, chi: Vector) -> int:
