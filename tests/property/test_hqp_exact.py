@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lexstack_core.bounds import Bounds
@@ -42,6 +42,7 @@ def assert_exact(problem, solution, name):
 
 @settings(max_examples=60, derandomize=True, deadline=None)
 @given(seed=SEEDS, other=SEEDS)
+@example(seed=262, other=0)  # a large row gives way by 4e-9, which decides whether a joint is held
 @pytest.mark.parametrize("scales", SCALES)
 def test_cold_and_warm_answers_are_the_exact_ones_at_any_scale(scales, seed, other):
     rng = np.random.default_rng(seed)

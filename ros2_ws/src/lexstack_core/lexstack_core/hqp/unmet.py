@@ -20,7 +20,7 @@ from lexstack_core.hqp.exchange import (
     release,
     solve_by_exchange,
 )
-from lexstack_core.hqp.rows import FEASIBILITY, Hierarchy, Signs, noise
+from lexstack_core.hqp.rows import FEASIBILITY, Hierarchy, Mask, Signs, noise
 from lexstack_core.hqp.scaling import Bands
 from lexstack_core.linear import Vector
 
@@ -67,9 +67,13 @@ def _one_by_one(
 ) -> Vector | None:
     """Return the optimum, found by exchanging only the first wrong place of each guess.
 
-    Murty's rule of the least index: it takes longer, and it cannot cycle.
+    Murty's rule of the least index: it takes longer, and it cannot cycle. What a large band gives
+    way may be too little for the sign of a force to be seen. But a joint that leaves the box as
+    soon as it alone is released was held rightly, and is not judged until something else changes.
     """
     fixed = hold_fixed(guess, *box)
+    kept: Mask = np.zeros(guess.joints.size, dtype=np.bool_)
+    last = -1
     for _ in range(_SINGLE_ROUNDS):
         chi, steps = point_of(hierarchy, *box, guess, bands)
         if not math.isfinite(chi.dot(chi)):
@@ -77,10 +81,18 @@ def _one_by_one(
         before = guess.copy()
         wrong = hold(hierarchy, chi, box, guess, _NEARLY)
         if steps is not None:
-            wrong += release(hierarchy, steps, chi, guess, fixed, bands)
+            unjudged = kept if fixed is None else kept | fixed
+            wrong += release(hierarchy, steps, chi, guess, unjudged, bands)
         if not wrong:
             return chi
         guess.keep_first_change(before)
+        changed = np.flatnonzero(guess.joints != before.joints)
+        joint = int(changed[0]) if changed.size else -1
+        back = joint >= 0 and joint == last and guess.joints[joint] != 0
+        kept[:] = False
+        if back:
+            kept[joint] = True
+        last = joint
     return None
 
 
