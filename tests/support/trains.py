@@ -57,8 +57,12 @@ class Train:
         return self.until + round((2.0 * self.duration + self.lead) * RATE) + 15
 
 
-def random_train(seed: int, ticks: int) -> Train:
-    """Return a train of events until a tick, at up to 60 Hz each."""
+def random_train(seed: int, ticks: int, *, named: bool = True) -> Train:
+    """Return a train of events until a tick, at up to 60 Hz each.
+
+    ``named``: B has the targets at A's ticks and names the revision, as the processes do. Else it
+    has them some ticks later, and nobody knows.
+    """
     rng = np.random.default_rng(seed)
     mode = ["lockstep", "realtime"][seed % 2]
     rates = rng.choice([0.0, 1.0, 7.0, 20.0, 60.0], size=3)  # Hz: targets, losses, switches
@@ -81,7 +85,6 @@ def random_train(seed: int, ticks: int) -> Train:
         switches.append((int(tick) + 2, str(rng.choice(BASES)), robots))
     late = int(rng.choice([0, 0, 2, 8]))
     delays = rng.integers(0, late + 1, ticks)
-    named = bool(rng.random() < 0.5)
     lagged = 0 if named else 3
     return Train(
         mode,
