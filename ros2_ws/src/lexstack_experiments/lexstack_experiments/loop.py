@@ -145,7 +145,7 @@ class Loop:
             self.add_target(target)
         if event.switch:
             tick = round(event.at * self.resolved.scenario.rate)
-            self.controller.transition.ask(event.switch, event.duration, "", tick)
+            self.controller.transition.ask(event.switch, event.duration, "", tick, event.robots)
 
 
 def sample_of(

@@ -94,4 +94,4 @@ def _schedule(resolved: ResolvedScenario, controller: Controller) -> None:
             controller.references.add(target)
         if event.switch:
             tick = round(event.at * resolved.scenario.rate)
-            controller.transition.ask(event.switch, event.duration, "", tick)
+            controller.transition.ask(event.switch, event.duration, "", tick, event.robots)

@@ -137,6 +137,7 @@ class Player(Node):
         request = SwitchStack.Request(
             stack=event.switch,
             duration=event.duration,
+            robots=list(event.robots),
             at_tick=round(event.at * self._scenario.rate),
         )
         answer = self._call(self._switch, request)

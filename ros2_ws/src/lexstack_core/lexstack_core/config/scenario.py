@@ -145,6 +145,7 @@ class EventConfig:
     at: float  # s, simulated
     switch: str = ""  # the stack to switch to; empty: none
     duration: float = 0.0  # s of the transition; 0: from the scenario's transition
+    robots: tuple[str, ...] = ()  # that switch; empty: all that the stack moves
     ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # by robot
     base_target: dict[str, Vector3] = field(default_factory=dict)  # by robot: x, y, yaw
     execute: tuple[str, ...] = ()  # names of sequences that begin
@@ -220,6 +221,7 @@ class ScenarioConfig:
                 raise ConfigurationError(f"{where}: events[{i}].at: after the scenario's end")
         pushed = [(f"plant.pushes[{i}]", [push.robot]) for i, push in enumerate(self.plant.pushes)]
         streamed = [(f"streams[{i}]", [entry.robot]) for i, entry in enumerate(self.streams)]
+        switched = [(f"events[{i}].robots", event.robots) for i, event in enumerate(self.events)]
         planned = [(f"sequences.{name}", [entry.robot]) for name, entry in self.sequences.items()]
         for i, event in enumerate(self.events):
             planned += [(f"events[{i}].changes", [change.robot]) for change in event.changes]
@@ -229,7 +231,7 @@ class ScenarioConfig:
                     raise ConfigurationError(
                         f"{where}: events[{i}].execute: unknown {shown(name)}; known: {known}"
                     )
-        for key, by_robot in [*targets, *pushed, *streamed, *planned]:
+        for key, by_robot in [*targets, *pushed, *streamed, *switched, *planned]:
             for robot in by_robot:
                 if robot not in self.robots:
                     known = ", ".join(self.robots)

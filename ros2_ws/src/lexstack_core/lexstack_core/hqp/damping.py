@@ -10,7 +10,7 @@ import numpy as np
 
 from lexstack_core.bounds import JointLimits
 from lexstack_core.hqp.groups import Group, groups_of
-from lexstack_core.hqp.lift import Above, GroupLevel, lift, pressed
+from lexstack_core.hqp.lift import TOLD, Above, GroupLevel, lift, pressed
 from lexstack_core.hqp.problem import HqpProblem, NearSingular, Solution
 from lexstack_core.hqp.regular import regular_levels
 from lexstack_core.hqp.rows import Mask, Signs
@@ -18,7 +18,6 @@ from lexstack_core.linear import LinearTask, Vector
 from lexstack_core.model import Kinematics, Team
 
 _AT_LIMIT = 0.03  # of the velocity limit: slower towards its position limit, a joint stands there
-_TOLD = 0.02  # the least singular value below which a level is told of, damped or not
 _ERRORS = (ArithmeticError, ValueError)  # numpy's LinAlgError is a ValueError
 
 
@@ -109,7 +108,8 @@ class Damper:
         irregular = []
         for group in groups:
             mine = group.levels(problem)
-            regular = regular_levels(mine, None if sides is None else sides[group.columns])
+            held = None if sides is None else sides[group.columns]
+            regular = regular_levels(mine, held, kinematics, group.places)
             if regular < len(mine):
                 irregular.append((group, mine, regular))
         if not irregular:
@@ -154,7 +154,7 @@ class Damper:
         for k, places, level in triples[regular:]:
             rows, more, least = lift(level, above, kinematics, group.places)
             names = " + ".join([task.name for task in level.tasks])
-            if len(rows) or least < _TOLD:
+            if len(rows) or least < TOLD:
                 near.append(NearSingular(k, names, least, len(rows)))
             if not len(rows):
                 continue

@@ -35,6 +35,7 @@ from lexstack_core.hqp.rows import Mask
 from lexstack_core.linear import LinearTask, Matrix, Vector
 from lexstack_core.model import Kinematics
 
+TOLD = 0.02  # the least singular value below which a level is told of, damped or not
 SINGULAR = 0.15  # m or 1: with a larger singular value a level is as strict as ever
 _LATE = 0.8  # of the lift, before a direction counts as lost: rows block what is below them
 _WEAK = 5e-6  # m, times |e|: only what truly does not bend is left to the levels below
@@ -42,7 +43,7 @@ _RANK = 1e-8  # of a level's norm, as in the solver
 _REGULAR = 1e-6  # added to G G^T; rows have norms of about 1
 _FULL = 1e-6  # squared, of a saturated error that is no longer told from the limit
 _FELT = 1e-6  # m, times |e|: a joint that a level presses less is not pressed by it
-_FARTHEST = 0.3  # m or rad: tasks that are linear in the joints do not saturate their errors
+FARTHEST = 0.3  # m or rad: tasks that are linear in the joints do not saturate their errors
 
 
 @dataclass(slots=True)
@@ -206,7 +207,7 @@ def lift(
     if least < SINGULAR * level.scale and size_of_error > 0.0 and reduced.shape[1]:
         bending = Bending(level, above, kinematics, places)
         raw = _raw(level) if level.curved else level.error
-        longest = size_of_error if level.curved else min(size_of_error, _FARTHEST * level.scale)
+        longest = size_of_error if level.curved else min(size_of_error, FARTHEST * level.scale)
         error = raw * (longest / float(np.linalg.norm(raw)))
         lifts, lost = _rows(error, (u, values, vt), bending)
         if len(lifts) and level.curved:
