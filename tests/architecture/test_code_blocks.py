@@ -176,7 +176,7 @@ def test_every_command_and_option_in_a_block_exists(block):
             if inside:
                 check_script(inside)
         else:
-            assert words[0] in ("export", "source"), f"{block.name}: {words}"
+            assert words[0] in ("export", "source", "mkdir"), f"{block.name}: {words}"
 
 
 # ---- yaml
