@@ -28,7 +28,8 @@ KEPT = "/robot_b/references"
 """What robot B has heard of them, for a robot A that starts again."""
 
 _KINDS = {"ee_target": to_ee_target, "base_target": to_base_target}
-_PATIENCE = 1.0  # s of wall time, for what robot B keeps
+_PATIENCE = 3.0  # s of wall time, for what robot B keeps: discovery takes most of it
+_SENDERS = 8  # whose decisions are kept
 
 
 class TargetTopics:
@@ -70,11 +71,11 @@ class TargetTopics:
 
 
 class HeardReferences:
-    """The decisions that a topic carries.
+    """The decisions that a topic carries, of each sender by itself.
 
     Attributes:
-        timeline: of the newest sender.
         refused: messages that did not fit.
+        believed: whose decisions count; empty: the newest sender's.
     """
 
     def __init__(
@@ -85,13 +86,15 @@ class HeardReferences:
         on_news: Callable[[References], None] = lambda _message: None,
     ) -> None:
         """Listen; ``on_news`` is called after each new decision."""
-        self.timeline = ReferenceTimeline()
         self.refused = 0
+        self.believed = ""
+        self._timelines: dict[str, ReferenceTimeline] = {}
         self._node = node
         self._team = team
         self._topic = topic
         self._on_news = on_news
-        self._sender = ""
+        self._newest = ""
+        self._nothing = ReferenceTimeline()
         node.create_subscription(References, topic, self._hear, LATCHED)
 
     def _hear(self, message: References) -> None:
@@ -102,14 +105,31 @@ class HeardReferences:
             self.refused += 1
             self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
             return
-        if message.sender != self._sender:
-            self._sender, self.timeline = message.sender, ReferenceTimeline()
-        if self.timeline.hear(setting):
+        timeline = self._timelines.setdefault(message.sender, ReferenceTimeline())
+        self._newest = message.sender
+        while len(self._timelines) > _SENDERS:
+            del self._timelines[next(s for s in self._timelines if s not in self._counted())]
+        if timeline.hear(setting) and timeline is self.timeline:
             self._on_news(message)
+
+    @property
+    def timeline(self) -> ReferenceTimeline:
+        """The decisions that count."""
+        name = self.believed if self.believed in self._timelines else self._newest
+        return self._timelines.get(name, self._nothing)
+
+    def _counted(self) -> tuple[str, str]:
+        """Return the senders whose decisions count, or may."""
+        return self.believed, self._newest
 
 
 class Decisions:
-    """Robot A's decisions on references: made one tick ahead, and told before the plant goes on."""
+    """Robot A's decisions on references: made one tick ahead, and told before the plant goes on.
+
+    Attributes:
+        schedule: decides.
+        missing: why a robot A that starts again could not go on with the last ones, or ''.
+    """
 
     def __init__(self, node: Node, team: Team, schedule: ReferenceSchedule, sender: str) -> None:
         """Create the publishers; ``sender`` names this process."""
@@ -122,6 +142,7 @@ class Decisions:
         self._goals = _Goals(node, team)
         self._kept = HeardReferences(node, team, KEPT)
         self._asked_since: float | None = None
+        self.missing = ""
 
     def restart(self, schedule: ReferenceSchedule) -> None:
         """Decide for another schedule from now on; revisions count on."""
@@ -133,7 +154,7 @@ class Decisions:
         """Return whether the first references can be decided for a state.
 
         A robot A that starts again, at a tick after ``late``, goes on with what robot B has kept;
-        it waits for it a moment where there is a robot B.
+        it waits for it a moment.
         """
         if self.schedule.begun or state.tick <= late:
             return True
@@ -143,7 +164,10 @@ class Decisions:
             return True
         now = time.monotonic()
         self._asked_since = self._asked_since or now
-        return now - self._asked_since > _PATIENCE or not self._node.count_publishers(KEPT)
+        if now - self._asked_since <= _PATIENCE:
+            return False
+        self.missing = "no references of before were heard: they begin at the measured poses"
+        return True
 
     def _lead_in(self, seconds: float) -> None:
         """Lead later targets in within another time [s]."""

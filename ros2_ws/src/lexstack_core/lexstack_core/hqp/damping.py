@@ -165,7 +165,8 @@ class Damper:
                     levels[k][place] = _moved(levels[k][place], more[start:])
             matrix = np.zeros((len(rows), self._slices[-1].stop))
             matrix[:, group.columns] = rows
-            added = LinearTask.equality(f"{names}: damping", matrix, np.zeros(len(rows)))
+            curve = next(task.curve for task in level.tasks if task.curve is not None)
+            added = LinearTask.equality(f"{names}: damping", matrix, np.zeros(len(rows)), curve)
             levels[k].append(added)
         return near
 

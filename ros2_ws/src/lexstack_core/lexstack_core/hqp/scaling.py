@@ -75,6 +75,9 @@ def scaled(hierarchy: Hierarchy, levels: Levels) -> tuple[Hierarchy, Bands | Non
         levels: of the problem.
     """
     squares = np.vecdot(hierarchy.matrix, hierarchy.matrix)
+    if _moderate(squares):
+        return hierarchy, None
+    _take_jacobians_whole(squares, levels)
     if _moderate(squares) or _moderate(squares[squares > 0.0]):
         return hierarchy, None
     norms = np.sqrt(squares)
@@ -89,6 +92,25 @@ def scaled(hierarchy: Hierarchy, levels: Levels) -> tuple[Hierarchy, Bands | Non
             owner.append(k)
             shift.append(exponent)
     return _rebuilt(hierarchy, order, owner, shift)
+
+
+def _take_jacobians_whole(squares: Vector, levels: Levels) -> None:
+    """Give all rows of a level's Jacobians the squared norm of the largest one, in place, (M,).
+
+    A short row of a Jacobian is a direction that the robot is losing, not another unit: next to a
+    singularity it is rounding, and taken by itself it would ask for any velocity.
+    """
+    start = 0
+    for level in levels:
+        rows = []
+        for task in level:
+            end = start + task.lower.size
+            if task.curve is not None:
+                rows.append(slice(start, end))
+            start = end
+        largest = max([float(squares[part].max(initial=0.0)) for part in rows], default=0.0)
+        for part in rows:
+            squares[part] = largest
 
 
 def _moderate(squares: Vector) -> bool:

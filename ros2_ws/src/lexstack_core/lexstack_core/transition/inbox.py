@@ -33,10 +33,16 @@ class Inbox:
         ticks = [at for at in samples if at <= tick]
         return samples[max(ticks)] if ticks else None
 
-    def solved_since(self, transition_id: int, tick: int) -> bool:
-        """Return whether the source has solved a transition's stack for a tick after this one."""
-        samples = self._samples.get(transition_id, {})
-        return any(at > tick and sample.solved for at, sample in samples.items())
+    def solved_since(self, transition_id: int, tick: int, revision: int | None = None) -> bool:
+        """Return whether the source has solved a transition's stack for a tick after this one.
+
+        ``revision``: of the references that count; None: any.
+        """
+        known = (None, revision)
+        return any(
+            at > tick and sample.solved and (revision is None or sample.revision in known)
+            for at, sample in self._samples.get(transition_id, {}).items()
+        )
 
     def keep(self, transition_ids: Collection[int]) -> None:
         """Forget all other transitions."""

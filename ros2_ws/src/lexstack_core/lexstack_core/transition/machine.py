@@ -112,6 +112,8 @@ class Transition:
                 return Answer(
                     False, f"stack {stack!r} does not move {shown(strangers[0])}, but {known}"
                 )
+            if len(set(robots)) < len(robots):
+                return Answer(False, "robots: a name stands in it twice")
             some = tuple(sorted({self._team.index(name) for name in robots}))
             task = self._stacks[stack].coupling(some)
             if task:
@@ -144,9 +146,12 @@ class Transition:
         blends = [channel for channel in self._channels if channel.blend is not None]
         if not dropped and not blends:
             return Answer(False, "there is no transition to cancel")
-        gone = dict.fromkeys(channel.id for channel in blends) or {dropped[-1].id: None}
+        gone = dict.fromkeys(channel.id for channel in blends)
+        gone = gone or dict.fromkeys(request.id for request in dropped[-3:])
         plural = "s" if len(gone) > 1 else ""
         what = f"transition{plural} {', '.join(map(str, gone))}"
+        if not blends and len(dropped) > len(gone):
+            what = f"{len(dropped)} transitions, the last of them {', '.join(map(str, gone))},"
         why = f"{what} {'were' if plural else 'was'} cancelled"
         concerned = {id(channel) for channel in blends} or {id(each) for each in self._channels}
         self._channels = tuple(
@@ -368,7 +373,7 @@ class Transition:
             return False
         # Once lost, B is waited for again only after it has been heard again.
         return blend.source is asked_of(blend.way.target) or self._sources.answered_since(
-            blend.request.id, blend.start
+            blend.request.id, blend.start, revision
         )
 
     def _coming(self, channel: Channel) -> tuple[SwitchRequest, Phase] | None:

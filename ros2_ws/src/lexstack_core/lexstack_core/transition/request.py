@@ -181,8 +181,8 @@ class RequestBook:
         if at_tick and at_tick <= now:
             return f"at_tick: {at_tick} is over; the present tick is {now}"
         mine = [entry for entry in self._scheduled if set(entry.robots) & set(robots)]
-        full = len(mine) >= MAX_SCHEDULED
-        if full and all(entry.at_tick != (at_tick or now + 1) for entry in mine):
+        full = at_tick and len(mine) >= MAX_SCHEDULED  # what begins at once waits for nothing
+        if full and all(entry.at_tick != at_tick for entry in mine):
             return f"{MAX_SCHEDULED} requests are scheduled already; wait for one to be served"
         return too_far(at_tick, now, self._horizon)
 

@@ -123,9 +123,13 @@ class Sources:
             return heard if heard.revision == revision else None
         return heard
 
-    def answered_since(self, transition_id: int, tick: int) -> bool:
-        """Return whether B has solved for a transition at a later tick than this one."""
-        return self._inbox.solved_since(transition_id, tick)
+    def answered_since(self, transition_id: int, tick: int, revision: int | None = None) -> bool:
+        """Return whether B has solved for a transition at a later tick than this one.
+
+        With other references than the ``revision`` in effect it has not: whoever answers with wrong
+        ones would be waited for at every tick.
+        """
+        return self._inbox.solved_since(transition_id, tick, revision)
 
     def first(
         self,
@@ -189,6 +193,8 @@ class Sources:
             return Choice(source)
         heard = self._inbox.newest(transition_id, tick)
         last = "nothing" if heard is None else f"tick {heard.tick}"
+        if heard is not None and revision and heard.revision not in (None, revision):
+            last += f" with references {heard.revision} in place of {revision}"
         instead = _instead(self._lost, asked)
         lost_at = f"{asked.called} lost at tick {tick}, last heard {last}: {instead}"
         return Choice(self._lost, lost_at)

@@ -25,6 +25,7 @@ from lexstack_core.config.available import FOR_OTHERS
 from lexstack_core.config.checks import shown
 from lexstack_core.config.resolved import ResolvedScenario, load_scenario
 from lexstack_core.errors import ConfigurationError, LexstackError
+from lexstack_interfaces.msg import TransitionStatus
 from lexstack_ros.bringup import bring_up
 from lexstack_ros.domain import own_domain
 from lexstack_ros.player import PLAYER, Player
@@ -246,12 +247,19 @@ class _Progress:
             return
         self._shown = now
         tick, status = self._player.tick, self._player.transition
-        where = "" if status is None else f"{status.to_stack}, alpha {status.alpha:.2f}"
+        where = "" if status is None else _where(status)
         line = (
             f"  {tick / self._scenario.rate:6.2f} of {self._scenario.duration:g} s  "
             f"{tick / (now - self._begun):4.0f} ticks/s  {where:<40}"
         )
         print(line, end="\r" if sys.stdout.isatty() and not last else "\n", flush=True)
+
+
+def _where(status: TransitionStatus) -> str:
+    """Return the stack in effect and how far a switch to it is, or the next one."""
+    if status.phase in (TransitionStatus.REQUESTED, TransitionStatus.PREPARING):
+        return f"next: {status.to_stack}"
+    return f"{status.to_stack}, alpha {status.alpha:.2f}"
 
 
 def _interrupt(_number: int, _frame: FrameType | None) -> None:

@@ -99,6 +99,9 @@ class HqpControllerNode(Node):
         # A tick's references are decided when its state comes, if not before: what comes while A
         # waits for the source would reach the two at different ticks.
         self._controller.prepare(state)
+        if self._decisions.missing:
+            self._controller.transition.note(self._decisions.missing)
+            self._decisions.missing = ""
         self._decisions.tell()
         self._state = state
         self._deadline = time.monotonic() + self._patience

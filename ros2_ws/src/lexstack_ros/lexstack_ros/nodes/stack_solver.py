@@ -56,12 +56,19 @@ class StackSolverNode(Node):
         self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
         newest = int(self._resolved.scenario.mode == "realtime")
-        self._states = PlantStates(self, team, self._on_state, self._restart, newest=newest)
+        self._states = PlantStates(
+            self, team, self._on_state, self._restart, self._on_commander, newest=newest
+        )
 
     def _on_state(self, state: RobotState) -> None:
         """Solve for a new state, if a stack is asked for."""
         self._state = state
         self._serve()
+
+    def _on_commander(self, name: str, _follows: bool) -> bool:
+        """Believe the references of whom the plant takes commands from; serve in any case."""
+        self._references.believed = name
+        return True
 
     def _on_references(self, message: References) -> None:
         """Keep robot A's decision for it; solve again what it changes of the present tick."""
