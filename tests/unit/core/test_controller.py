@@ -388,3 +388,17 @@ def test_time_optimal_is_as_fast_as_the_limits_allow():
     assert fast < 30
     assert slow_ratio < 0.2
     assert 0.7 < fast_ratio <= 1.0 + 1e-9
+
+
+def test_a_robot_that_is_named_twice_is_refused():
+    answer = loop().controller.transition.ask("track", 0.0, "", 0, ["robot_a", "robot_a"])
+    assert not answer.accepted
+    assert answer.message == "robots: a name stands in it twice"
+
+
+def test_a_cancellation_says_how_many_scheduled_transitions_it_drops():
+    transition = loop().controller.transition
+    for tick in range(100, 110):
+        assert transition.ask("reach_base", 0.0, "", tick).accepted
+    message = transition.cancel().message
+    assert message == "10 transitions, the last of them 8, 9, 10, are cancelled before it began"

@@ -93,7 +93,7 @@ def test_in_mid_blend_a_chi_with_older_references_counts_as_lost():
     run.controller.references.add(Target(0.0, 0, ee=moved))
     lost = run.step().transition
     assert lost.source is Source.LOCAL
-    assert lost.reason.startswith("robot B lost at tick 10, last heard tick 10: ")
+    assert lost.reason.startswith("robot B lost at tick 10, last heard tick 10 with references 1 ")
     run.ask_b = lambda *args: dataclasses.replace(ask(*args), revision=2)
     assert run.step().transition.source is Source.ROBOT_B
 
@@ -149,3 +149,17 @@ def test_a_b_that_answers_late_is_followed_in_the_order_of_its_ticks():
     assert run.record.commands[-1].transition.phase is Phase.BLENDING
     blend = run.controller.transition._channels[0].blend
     np.testing.assert_array_equal(blend.source_chi, run.record.sources[9])
+
+
+def test_a_b_that_answers_with_wrong_references_is_lost_and_not_waited_for():
+    """It was waited for at every tick, a second each, for as long as it had wrong ones."""
+    run = loop()
+    ask = run.ask_b
+    run.controller.transition.ask("reach_base", 0.0, "", 2)
+    run.run(10)
+    run.ask_b = lambda *args: dataclasses.replace(ask(*args), revision=7)
+    lost = run.step().transition
+    assert lost.source is Source.LOCAL
+    assert "last heard tick 10 with references 7 in place of 1: " in lost.reason
+    run.step()
+    assert not run.controller.awaits(run.plant.state())

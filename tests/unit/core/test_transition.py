@@ -129,6 +129,7 @@ def test_requests_for_one_robot_do_not_fill_the_queue_of_another():
         assert requests.ask("posture_a", 0.0, "", tick, now=0).accepted
     assert "requests are scheduled already" in requests.ask("posture_a", 0.0, "", 99, now=0).message
     assert requests.ask("posture_b", 0.0, "", 99, now=0).accepted
+    assert requests.ask("posture_a", 0.0, "", 0, now=0).accepted, "it waits for nothing"
 
 
 def test_requests_are_due_in_the_order_of_their_ticks():

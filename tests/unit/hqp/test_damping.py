@@ -7,7 +7,7 @@ import pytest
 
 from lexstack_core.bounds import Bounds, target_bounds
 from lexstack_core.config.stack import LevelConfig, StackConfig, TaskConfig
-from lexstack_core.hqp import Damper, HqpProblem, blocked, damping, make_solver
+from lexstack_core.hqp import Damper, HqpProblem, blocked, damping, make_solver, regular
 from lexstack_core.hqp.curvature import add_curvature
 from lexstack_core.model import Pose
 from lexstack_core.references import References
@@ -185,3 +185,38 @@ def test_a_level_below_is_damped_by_what_the_level_above_bends():
     stack = stack_of("ee_position", "base", robot="robot_a")
     _, damped = damped_at(stack, q, aim=(0.0, 0.0, 0.0), base=np.array([-1.0, 0.0, 0.0]))
     assert [(near.level, near.rows > 0) for near in damped.near] == [(1, True)]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_level_that_the_quick_look_spares_gets_no_row_from_the_full_one(seed, monkeypatch):
+    """Both are about the same inequality; the quick look leaves what is near it to the full one."""
+    rng = np.random.default_rng([7, seed])
+    stack, spared = stack_of("ee_pose", "base"), 0
+    for _ in range(60):
+        q = random_q(rng)
+        options = {"aim": 0.3 * rng.normal(size=3), "base": rng.normal()}
+        _, quick = damped_at(stack, q, **options)
+        with monkeypatch.context() as patch:
+            patch.setattr(regular, "_bends_little", lambda *_args: False)
+            _, full = damped_at(stack, q, **options)
+        if quick.problem is quick.given and not quick.near:
+            assert full.problem is full.given
+            assert not full.near
+            spared += 1
+        else:
+            assert [entry.rows for entry in quick.near] == [entry.rows for entry in full.near]
+    assert spared > 5
+
+
+def test_a_short_row_of_a_jacobian_is_a_lost_direction_and_not_another_unit():
+    """Brought to norm 1 by itself, the rounding of a stretched arm asked for any velocity."""
+    given, _ = problem_at(stack_of("ee_position"), stretched())
+    (first, *_), *below = given.levels
+    assert first.curve is not None
+    short = np.zeros_like(first.matrix)
+    short[2, 3] = 1e-12
+    matrix = np.where(np.arange(3)[:, None] == 2, short, first.matrix)
+    rows = dataclasses.replace(first, matrix=matrix)
+    box = Bounds(np.full(team().n, -5.0), np.full(team().n, 5.0))
+    solution = make_solver().solve(HqpProblem(((rows,), *below), box))
+    assert abs(solution.chi[3]) < 1.0, "nobody asks this joint to move at its bound"
