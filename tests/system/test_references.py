@@ -144,6 +144,22 @@ def test_a_target_with_the_wall_clock_is_refused_aloud_and_keeps_no_other_out(us
     assert user.decisions[-1].ee_lead[1] == 0.0, "the scenario's targets step"
 
 
+def test_who_comes_later_hears_the_newest_decision_alone(user):
+    """An older one would be acted on until the next is taken from the queue."""
+    before = len(user.decisions)
+    for x in (0.02, 0.03):
+        user.send(moved(team().tools(home())[0], x, 0.0), 0)
+        user.until(lambda seen=before: len(user.decisions) > seen)
+        before = len(user.decisions)
+    late = []
+    user.node.create_subscription(References, "/robot_a/references", late.append, LATCHED)
+    user.until(lambda: late)
+    end = time.monotonic() + 0.5
+    while time.monotonic() < end:
+        user.run.executor.spin_once(timeout_sec=0.05)
+    assert [decision.revision for decision in late] == [user.decisions[-1].revision]
+
+
 def test_the_lead_in_is_a_parameter(user):
     client = user.node.create_client(SetParameters, "/hqp_controller/set_parameters")
     user.until(client.service_is_ready)

@@ -19,7 +19,7 @@ from lexstack_core.rotation import from_rpy, to_quaternion
 from lexstack_core.state import RobotState
 from lexstack_interfaces.msg import References
 from lexstack_ros.conversions import pose_message, to_base_target, to_ee_target
-from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.qos import LATCHED, LATEST, STREAM
 from lexstack_ros.reference_conversions import references_message, to_setting
 from lexstack_ros.tuning import LeadInParameter
 
@@ -138,7 +138,7 @@ class Decisions:
         self._team = team
         self._sender = sender
         self._parameter = LeadInParameter(node, schedule.lead_in, self._lead_in)
-        self._out = node.create_publisher(References, DECISIONS, LATCHED)
+        self._out = node.create_publisher(References, DECISIONS, LATEST)
         self._goals = _Goals(node, team)
         self._kept = HeardReferences(node, team, KEPT)
         self._asked_since: float | None = None
@@ -189,8 +189,8 @@ class _Goals:
         self._ee: list[Publisher] = []
         self._base: list[Publisher] = []
         for name in team.names:
-            ee = node.create_publisher(PoseStamped, f"/{name}/ee_reference", LATCHED)
-            base = node.create_publisher(PoseStamped, f"/{name}/base_reference", LATCHED)
+            ee = node.create_publisher(PoseStamped, f"/{name}/ee_reference", LATEST)
+            base = node.create_publisher(PoseStamped, f"/{name}/base_reference", LATEST)
             self._ee.append(ee)
             self._base.append(base)
 

@@ -20,7 +20,7 @@ from lexstack_ros.conversions import WORLD, to_announcement, to_array, to_second
 from lexstack_ros.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.parameters import count_parameter, scenario_parameter
 from lexstack_ros.plant_states import PlantStates
-from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.qos import LATCHED, LATEST, STREAM
 from lexstack_ros.references import KEPT, HeardReferences
 from lexstack_ros.senders import sender_name
 from lexstack_ros.spin import run_node
@@ -52,7 +52,7 @@ class StackSolverNode(Node):
         self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
         team = self._parts.team
         self._references = HeardReferences(self, team, on_news=self._on_references)
-        self._kept = self.create_publisher(References, KEPT, LATCHED) if number == 1 else None
+        self._kept = self.create_publisher(References, KEPT, LATEST) if number == 1 else None
         self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
         newest = int(self._resolved.scenario.mode == "realtime")
