@@ -107,7 +107,7 @@ def test_a_stubborn_and_a_stopped_child_are_ended_all_the_same(supervisor):
 def test_children_do_not_outlive_a_supervisor_that_is_killed(tmp_path):
     child = tmp_path / "child_orphan.py"
     child.write_text(
-        "from lexstack_ros.supervisor import end_with_supervisor\nend_with_supervisor()\n" + READY,
+        "from lexstack_ros.parent import end_with_supervisor\nend_with_supervisor()\n" + READY,
         encoding="utf-8",
     )
     parent = (

@@ -9,8 +9,8 @@ import os
 import shutil
 import sys
 
+from lexstack_ros.parent import end_with_supervisor
 from lexstack_ros.spin import BAD_ARGUMENT
-from lexstack_ros.supervisor import end_with_supervisor
 
 _PROGRAM = "fast-discovery-server"
 

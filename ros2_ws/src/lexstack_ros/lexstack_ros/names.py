@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 
 SOLVER = "stack_solver"  # robot B; further ones are stack_solver_2 and so on
+PAGE = "view"
+URL = "page: "  # what stands before the live page's address in what its process prints
 
 
 def base_of(node: str) -> str:

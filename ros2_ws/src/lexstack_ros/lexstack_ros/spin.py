@@ -20,7 +20,7 @@ from rclpy.utilities import remove_ros_args
 
 from lexstack_core.config.scenario import Mode
 from lexstack_core.errors import ConfigurationError, LexstackError
-from lexstack_ros.supervisor import end_with_supervisor
+from lexstack_ros.parent import end_with_supervisor
 
 BAD_ARGUMENT = 2
 LAST = 10

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import signal
 import subprocess
@@ -13,10 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lexstack_core.errors import LexstackError
+from lexstack_ros.parent import PARENT
 
 _LAST_LINES = 15
-_PR_SET_PDEATHSIG = 1
-_PARENT = "LEXSTACK_PARENT"  # process id of the supervisor, in its children's environment
 
 
 class ChildDiedError(LexstackError):
@@ -52,7 +50,7 @@ class Supervisor:
         """Write each child's output to ``logs``; give all of them ``environment``."""
         logs.mkdir(parents=True, exist_ok=True)
         self._logs = logs
-        self._environment = {**os.environ, **(environment or {}), _PARENT: str(os.getpid())}
+        self._environment = {**os.environ, **(environment or {}), PARENT: str(os.getpid())}
         self.children: list[Child] = []
 
     def start(self, name: str, module: str, arguments: Sequence[str] = ()) -> Child:
@@ -132,13 +130,3 @@ def _ending(code: int) -> str:
     if code >= 0:
         return f"ended with exit code {code}"
     return f"was killed by {signal.Signals(-code).name}"
-
-
-def end_with_supervisor() -> None:
-    """Let this process get SIGTERM when the supervisor that started it is gone (Linux)."""
-    parent = os.environ.get(_PARENT)
-    if parent is None or sys.platform != "linux":
-        return
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-    if os.getppid() != int(parent):
-        os.kill(os.getpid(), signal.SIGTERM)

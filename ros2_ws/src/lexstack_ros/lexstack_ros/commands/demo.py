@@ -28,10 +28,10 @@ from lexstack_core.errors import ConfigurationError, LexstackError
 from lexstack_interfaces.msg import TransitionStatus
 from lexstack_ros.bringup import bring_up
 from lexstack_ros.domain import own_domain
+from lexstack_ros.names import PAGE
 from lexstack_ros.player import PLAYER, Player
 from lexstack_ros.recording_options import add_recording_arguments, recorder_parameters
 from lexstack_ros.supervisor import Supervisor
-from lexstack_ros.view.start import NAME as PAGE
 from lexstack_ros.view.start import start_page
 
 _DEFAULT = "transition-sequence"

@@ -20,6 +20,7 @@ from lexstack_core.model import Team
 from lexstack_core.references import References, measured
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.conversions import to_seconds, to_vector
+from lexstack_ros.names import PAGE, URL
 from lexstack_ros.parameters import scenario_parameter
 from lexstack_ros.readiness import READY
 from lexstack_ros.references import HeardReferences
@@ -30,7 +31,6 @@ from lexstack_ros.view.news import COMMANDER, SOURCE, news
 from lexstack_ros.view.orders import read_order
 from lexstack_ros.view.page import live_page
 from lexstack_ros.view.server import ViewServer
-from lexstack_ros.view.start import NAME, URL
 
 _PERIOD = 0.05  # s of wall time between two news
 
@@ -40,7 +40,7 @@ class ViewNode(Node):
 
     def __init__(self) -> None:
         """Serve the page; raises LexstackError for a wrong parameter."""
-        super().__init__(NAME)
+        super().__init__(PAGE)
         self.niceness = LAST
         self._resolved = scenario_parameter(self)
         self._team = team = Team.from_scenario(self._resolved)

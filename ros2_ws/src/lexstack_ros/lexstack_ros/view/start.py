@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from lexstack_ros.names import PAGE, URL
 from lexstack_ros.readiness import READY
 from lexstack_ros.supervisor import Supervisor
 
-NAME = "view"
-URL = "page: "  # what stands before the address in what the process prints
 _TIMEOUT = 30.0  # s of wall time
 
 
@@ -19,7 +18,7 @@ def start_page(supervisor: Supervisor, scenario: Path) -> str:
         ChildDiedError: it ended; NotReadyError: it did not serve in time.
     """
     arguments = ["--ros-args", "-p", f"scenario:={scenario}"]
-    child = supervisor.start(NAME, "lexstack_ros.view.node", arguments)
-    supervisor.wait_printed([NAME], READY, _TIMEOUT)
+    child = supervisor.start(PAGE, "lexstack_ros.view.node", arguments)
+    supervisor.wait_printed([PAGE], READY, _TIMEOUT)
     lines = child.log.read_text(encoding="utf-8", errors="replace").splitlines()
     return next(line.removeprefix(URL) for line in lines if line.startswith(URL))
