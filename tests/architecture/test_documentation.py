@@ -293,14 +293,14 @@ def test_what_is_no_leak_is_left_alone(text):
 
 
 @pytest.mark.parametrize(
-    "path", ["config/stacks/none.yaml", "lexstack_core/nothing.py", "nowhere/", "./scripts/dance"]
+    "path", ["config/stacks/none.yaml", "lexstack/nothing.py", "nowhere/", "./scripts/dance"]
 )
 def test_a_wrong_path_is_seen(path):
     assert path in named_paths(f"text `{path}` text")
     assert not exists(path, README)
 
 
-@pytest.mark.parametrize("path", ["config/robots/NAME.yaml", "lexstack_core/hqp/", "plant.py"])
+@pytest.mark.parametrize("path", ["config/robots/NAME.yaml", "lexstack/hqp/", "plant.py"])
 def test_a_right_path_is_found(path):
     assert path in named_paths(f"text `{path}` text")
     assert exists(path, README)

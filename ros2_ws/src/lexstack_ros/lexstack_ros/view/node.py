@@ -15,16 +15,16 @@ from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
-from lexstack_core.errors import InputError
-from lexstack_core.model import Team
-from lexstack_core.references import References, measured
+from lexstack.errors import InputError
+from lexstack.references import References, measured
+from lexstack.robots import Team
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
-from lexstack_ros.conversions import to_seconds, to_vector
-from lexstack_ros.names import PAGE, URL
-from lexstack_ros.parameters import scenario_parameter
-from lexstack_ros.readiness import READY
-from lexstack_ros.references import HeardReferences
-from lexstack_ros.spin import LAST, run_node
+from lexstack_ros.controller.references import HeardReferences
+from lexstack_ros.messages.conversions import to_seconds, to_vector
+from lexstack_ros.messages.names import PAGE, URL
+from lexstack_ros.node.parameters import scenario_parameter
+from lexstack_ros.node.readiness import READY
+from lexstack_ros.node.spin import LAST, run_node
 from lexstack_ros.view.actions import Actions
 from lexstack_ros.view.hub import Hub
 from lexstack_ros.view.news import COMMANDER, SOURCE, news
