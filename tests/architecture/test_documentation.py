@@ -12,9 +12,9 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
-SOURCES = ("ros2_ws/src/*/lexstack_*", "sim_bridge/lexstack_sim", "scripts", "tests")
+SOURCES = ("ros2_ws/src/*/lexstack*", "sim_bridge/lexstack_sim", "scripts", "tests")
 # Where a path in a document may begin, beside the root and the document's own folder.
-BASES = ("ros2_ws/src/*", "ros2_ws/src/*/lexstack_*", "sim_bridge")
+BASES = ("ros2_ws/src/*", "ros2_ws/src/*/lexstack*", "sim_bridge")
 
 # What a run leaves; the documents name it, no clone has it.
 RUN_FILES = {
@@ -106,8 +106,14 @@ def source_folders():
 @cache
 def packages():
     """Return the text of all modules of the packages, without the tests."""
-    files = [file for folder in source_folders()[:-2] for file in folder.rglob("*.py")]
-    return "\n".join(map(text_of, files))
+    return "\n".join(modules())
+
+
+@cache
+def modules():
+    """Return the texts of all modules of the packages, without the tests."""
+    files = [file for folder in source_folders()[:-2] for file in sorted(folder.rglob("*.py"))]
+    return [text_of(file) for file in files]
 
 
 def anchors(text):
@@ -141,14 +147,16 @@ def endpoints():
         r"(?:create_(?:publisher|subscription|service)\(|Server\(\s*self,)"  # or of an action
         r"\s*(\w+),\s*(?:f?\"([^\"]+)\"|(\w+))"
     )
-    code, found = packages(), {}
-    for type_, literal, variable in pattern.findall(code):
+    found = {}
+    for code, (type_, literal, variable) in (
+        (code, match) for code in modules() for match in pattern.findall(code)
+    ):
         # A type that may not be installed is imported by name.
         optional = re.search(rf"\b{type_} = importlib\.\S+\.(\w+)$", code, re.MULTILINE)
         kind = optional.group(1) if optional else type_
         values = [literal] if literal else re.findall(rf"\b{variable} = f?\"(/[^\"]+)\"", code)
         found |= {name.replace("~", "/sim_bridge"): kind for name in values if "/" in name}
-    kinds = re.search(r"_KINDS = \{([^}]+)\}", code).group(1)
+    kinds = re.search(r"_KINDS = \{([^}]+)\}", packages()).group(1)
     for name in [name for name in found if name.endswith("/{kind}")]:
         kind = found.pop(name)
         found |= {name.replace("{kind}", k): kind for k in re.findall(r"\"(\w+)\":", kinds)}
