@@ -148,13 +148,13 @@ def endpoints():
         r"\s*(\w+),\s*(?:f?\"([^\"]+)\"|(\w+))"
     )
     found = {}
-    for code, (type_, literal, variable) in (
-        (code, match) for code in modules() for match in pattern.findall(code)
-    ):
+    calls = [(module, call) for module in modules() for call in pattern.findall(module)]
+    for code, (type_, literal, variable) in calls:
         # A type that may not be installed is imported by name.
         optional = re.search(rf"\b{type_} = importlib\.\S+\.(\w+)$", code, re.MULTILINE)
         kind = optional.group(1) if optional else type_
-        values = [literal] if literal else re.findall(rf"\b{variable} = f?\"(/[^\"]+)\"", code)
+        defined = re.compile(rf"\b{variable} = f?\"(/[^\"]+)\"")
+        values = [literal] if literal else defined.findall(code) or defined.findall(packages())
         found |= {name.replace("~", "/sim_bridge"): kind for name in values if "/" in name}
     kinds = re.search(r"_KINDS = \{([^}]+)\}", packages()).group(1)
     for name in [name for name in found if name.endswith("/{kind}")]:
