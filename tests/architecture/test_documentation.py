@@ -154,7 +154,8 @@ def endpoints():
         optional = re.search(rf"\b{type_} = importlib\.\S+\.(\w+)$", code, re.MULTILINE)
         kind = optional.group(1) if optional else type_
         defined = re.compile(rf"\b{variable} = f?\"(/[^\"]+)\"")
-        values = [literal] if literal else defined.findall(code) or defined.findall(packages())
+        where = packages() if variable.isupper() else code  # constants may be another module's
+        values = [literal] if literal else defined.findall(where)
         found |= {name.replace("~", "/sim_bridge"): kind for name in values if "/" in name}
     kinds = re.search(r"_KINDS = \{([^}]+)\}", packages()).group(1)
     for name in [name for name in found if name.endswith("/{kind}")]:
