@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from lexstack_core.config.checks import shown
 from lexstack_core.config.stack import JointLimitConfig, StackConfig, TaskConfig
 from lexstack_core.errors import ConfigurationError, ModelError
 from lexstack_core.joint_limits import LIMITS
-from lexstack_core.linear import LinearTask
+from lexstack_core.linear import Curve, LinearTask
 from lexstack_core.model import Kinematics, Team
 from lexstack_core.references import References
 from lexstack_core.tasks import TASKS, Task
@@ -227,5 +228,10 @@ def _scaled(task: LinearTask, scale: float) -> LinearTask:
     if scale == 1.0:
         return task
     rows = (scale * task.matrix, scale * task.lower, scale * task.upper)
-    curve = task.curve and replace(task.curve, scale=scale)
-    return LinearTask(task.name, *rows, curve)
+    return LinearTask(task.name, *rows, task.curve and _scaled_curve(task.curve, scale))
+
+
+@lru_cache(maxsize=256)
+def _scaled_curve(curve: Curve, scale: float) -> Curve:
+    """Return the curve of scaled rows: the same object at every tick, as curves are compared."""
+    return replace(curve, scale=scale)
