@@ -76,6 +76,22 @@ def test_what_is_remembered_changes_no_row(kinds, weight, monkeypatch):
     assert sum(covered) > 50
 
 
+@pytest.mark.parametrize("steps", [2, 20, 100])
+def test_an_arm_that_is_stretched_gets_its_rows(steps):
+    stack, damper, rows = stack_of(STACKS["pose"], 1.0), Damper(team(), team().dt), 0
+    straight = home()
+    for part in team().slices:
+        straight[part][3:] = [0.0, -0.2554, 0.0, -0.4670, 0.0, 3.0348, 0.0]
+    aims, bases = np.tile([0.0, 0.0, 1.0], (2, 1)), np.zeros((2, 3))
+    for way in np.linspace(0.0, 1.0, steps):
+        given, kinematics = problem_at(stack, home() + way * (straight - home()), aims, bases)
+        remembered = damper.damped(given, kinematics, team().limits)
+        alone = Damper(team(), team().dt).damped(given, kinematics, team().limits)
+        assert rows_of(remembered) == rows_of(alone)
+        rows += sum(entry.rows for entry in alone.near)
+    assert rows > 0
+
+
 def test_a_bend_grows_no_faster_than_it_says():
     stack, checked = stack_of(STACKS["base below"], 1.0), 0
     for seed in range(20):
