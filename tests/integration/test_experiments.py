@@ -124,6 +124,16 @@ def test_bench_transition(tmp_path):
     assert {row["state"] for row in content["tables"][0]["rows"]} == {"idle", "blending"}
 
 
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+def test_bench_tick(tmp_path):
+    content = results_of(bench.main, "tick", tmp_path)
+    rows = content["tables"][0]["rows"]
+    kinds = {"track", "reach_base", "posture", "blend", "out of reach"}
+    assert {(row["robots"], row["tick"]) for row in rows} == {(n, k) for n in (1, 2) for k in kinds}
+    assert all(row["us p99"] >= row["us p50"] >= row["us p50, quiet"] > 0.0 for row in rows)
+
+
 def test_robots(tmp_path):
     content = results_of(experiment.main, "robots", tmp_path)
     rows = content["tables"][0]["rows"]

@@ -8,11 +8,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from lexstack.hqp.groups import Group, groups_of
+from lexstack.hqp.groups import Group
 from lexstack.hqp.hierarchy import Mask, Signs
+from lexstack.hqp.irregular import Margins
 from lexstack.hqp.lift import TOLD, Above, GroupLevel, lift, pressed
 from lexstack.hqp.problem import HqpProblem, NearSingular, Solution
-from lexstack.hqp.regular import regular_levels
 from lexstack.limits.viable_bounds import JointLimits
 from lexstack.robots import Kinematics, Team
 from lexstack.types import LinearTask, Vector
@@ -79,11 +79,12 @@ class Damped:
 
 
 class Damper:
-    """Adds rows to levels that are near a singularity; it remembers nothing from tick to tick."""
+    """Adds rows to levels that are near a singularity; they depend on the present tick alone."""
 
     def __init__(self, team: Team, dt: float) -> None:
         """Know whose joints are where; ``dt`` is the control period [s]."""
         self._slices = team.slices
+        self._margins = Margins(team.slices)
         self._dt = dt
 
     def damped(
@@ -101,17 +102,8 @@ class Damper:
             kinematics: of this tick.
             limits: of the joints, in force.
         """
-        groups = groups_of(problem, self._slices)
-        if not groups:
-            return Damped(problem, problem)
         sides = _sides(kinematics.state.q_star, limits, self._dt)
-        irregular = []
-        for group in groups:
-            mine = group.levels(problem)
-            held = None if sides is None else sides[group.columns]
-            regular = regular_levels(mine, held, kinematics, group.places)
-            if regular < len(mine):
-                irregular.append((group, mine, regular))
+        irregular = self._margins.irregular(problem, sides, kinematics)
         if not irregular:
             return Damped(problem, problem)
         sides = np.zeros(self._slices[-1].stop) if sides is None else sides

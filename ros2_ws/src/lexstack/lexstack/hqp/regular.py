@@ -29,9 +29,9 @@ from lexstack.hqp.lift import FARTHEST, SINGULAR, TOLD, GroupLevel
 from lexstack.robots import Kinematics
 from lexstack.types import Matrix, Vector
 
-_MET = 1e-8  # m or rad: a smaller error asks for nothing that could get out of hand
+MET = 1e-8  # m or rad: a smaller error asks for nothing that could get out of hand
 _STIFF = 1e4  # mu
-_SURE = 0.9  # of what would need a row: nearer to it ``lift`` decides
+SURE = 0.9  # of what would need a row: nearer to it ``lift`` decides
 
 
 def regular_levels(
@@ -122,7 +122,7 @@ def _bends_little(
         first = last
     need = (bending.dot(directions) * directions).sum(axis=0)
     need *= np.maximum(1.0 - squares / singular, 0.0)
-    return bool((need <= _SURE * squares).all())
+    return bool((need <= SURE * squares).all())
 
 
 def _threshold(level: GroupLevel, gram: Matrix, joints: int) -> float:
@@ -132,7 +132,7 @@ def _threshold(level: GroupLevel, gram: Matrix, joints: int) -> float:
     no row where its smallest squared singular value is above that.
     """
     size = math.sqrt(float(level.error.dot(level.error))) / level.scale
-    if size <= _MET:
+    if size <= MET:
         return 0.0
     squared = (SINGULAR * level.scale) ** 2
     if not level.curved or level.nested or size * joints >= SINGULAR * SINGULAR:

@@ -130,10 +130,11 @@ class ReferenceSchedule:
         if stamp <= self._decided + ROUNDING:
             return
         self._decided = stamp
-        last = self.timeline.newest
+        last, due = self.timeline.newest, self._due(stamp)
+        if last is not None and not due:
+            return
         ee = last.ee if last else tuple(SetPoint(pose) for pose in self._initial.ee)
         base = last.base if last else tuple(SetPoint(place) for place in self._initial.base)
-        due = self._due(stamp)
         for target in due:
             ee, base = self._applied(ee, base, target, stamp)
         if (
@@ -166,6 +167,8 @@ class ReferenceSchedule:
         """Return the last target of each robot and kind whose time has come; forget the others."""
         due = []
         for coming in self._coming.values():
+            if not coming:
+                continue
             count = 0
             while count < len(coming) and coming[count].at <= stamp + ROUNDING:
                 count += 1

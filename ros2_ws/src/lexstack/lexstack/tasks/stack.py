@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from lexstack.limits.viable_bounds import JointLimits
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
 from lexstack.tasks import TASKS, Task
-from lexstack.types import LinearTask
+from lexstack.types import Curve, LinearTask
 
 AT_REST = " at rest"  # ends the name of a stack whose lower levels are minimum velocity
 
@@ -227,5 +228,10 @@ def _scaled(task: LinearTask, scale: float) -> LinearTask:
     if scale == 1.0:
         return task
     rows = (scale * task.matrix, scale * task.lower, scale * task.upper)
-    curve = task.curve and replace(task.curve, scale=scale)
-    return LinearTask(task.name, *rows, curve)
+    return LinearTask(task.name, *rows, task.curve and _scaled_curve(task.curve, scale))
+
+
+@lru_cache(maxsize=256)
+def _scaled_curve(curve: Curve, scale: float) -> Curve:
+    """Return the curve of scaled rows: the same object at every tick, as curves are compared."""
+    return replace(curve, scale=scale)

@@ -229,6 +229,8 @@ class Transition:
         """
         asked = self._asked_for(tick)
         self._sample_plans(asked, tick)
+        if not asked:
+            return Due(tick)
         starting, waiting, dropped = [], [], []
         held, channels = set[int](), list(self._channels)
         for request in asked:
@@ -311,9 +313,11 @@ class Transition:
 
     # ---- inside
 
-    def _sample_plans(self, due: Iterable[SwitchRequest], tick: int) -> None:
+    def _sample_plans(self, due: Collection[SwitchRequest], tick: int) -> None:
         """Hear the plans that are followed, or are to be, as chi of this tick."""
         blends = [channel.blend for channel in self._channels if channel.blend is not None]
+        if not blends and not due:
+            return
         followed = {blend.request.id: blend.way for blend in blends if blend.way.target.planned}
         wanted = {id_: way.part.robots for id_, way in followed.items()}
         wanted |= {r.id: r.robots for r in due if self._stacks[r.stack].planned}

@@ -142,13 +142,15 @@ class RequestBook:
 
     def peek(self, tick: int) -> tuple[SwitchRequest, ...]:
         """Return the requests whose tick has come and that none of them replaces, in order."""
+        if not self._scheduled:
+            return ()
         due = [request for request in self._scheduled if request.at_tick <= tick]
         return in_effect(due)
 
     def due(self, tick: int) -> tuple[SwitchRequest, ...]:
         """Return what ``peek`` does, and forget it and what was replaced."""
-        found = self.peek(tick) if self._scheduled else ()
-        if self._scheduled:
+        found = self.peek(tick)
+        if found:
             self._scheduled = [entry for entry in self._scheduled if entry.at_tick > tick]
         return found
 

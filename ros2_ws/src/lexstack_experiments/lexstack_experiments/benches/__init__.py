@@ -8,6 +8,7 @@ from lexstack_experiments.benches import (
     scaling,
     strictness,
     system,
+    tick,
     transition,
 )
 from lexstack_experiments.experiment import Experiment
@@ -20,6 +21,7 @@ BENCHES: dict[str, Experiment] = {
     "scaling": scaling.EXPERIMENT,
     "strictness": strictness.EXPERIMENT,
     "system": system.EXPERIMENT,
+    "tick": tick.EXPERIMENT,
     "transition": transition.EXPERIMENT,
 }
 
