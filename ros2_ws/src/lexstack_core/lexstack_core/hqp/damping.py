@@ -152,7 +152,7 @@ class Damper:
         group, mine, regular = share
         triples = list(zip(group.ranks, group.tasks, mine, strict=True))
         for k, places, level in triples[regular:]:
-            rows, more, least = lift(level, above, kinematics, group.places)
+            rows, more, target, least = lift(level, above, kinematics, group.places)
             names = " + ".join([task.name for task in level.tasks])
             if len(rows) or least < TOLD:
                 near.append(NearSingular(k, names, least, len(rows)))
@@ -166,7 +166,7 @@ class Damper:
             matrix = np.zeros((len(rows), self._slices[-1].stop))
             matrix[:, group.columns] = rows
             curve = next(task.curve for task in level.tasks if task.curve is not None)
-            added = LinearTask.equality(f"{names}: damping", matrix, np.zeros(len(rows)), curve)
+            added = LinearTask.equality(f"{names}: damping", matrix, curve.gain * target, curve)
             levels[k].append(added)
         return near
 

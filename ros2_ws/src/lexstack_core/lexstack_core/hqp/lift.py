@@ -32,6 +32,7 @@ from scipy.linalg.lapack import dposv
 from lexstack_core.hqp.curvature import add_curvature
 from lexstack_core.hqp.factor import factorise
 from lexstack_core.hqp.rows import Mask
+from lexstack_core.hqp.valley import Model, logarithm
 from lexstack_core.linear import LinearTask, Matrix, Vector
 from lexstack_core.model import Kinematics
 
@@ -159,10 +160,12 @@ def pressed(levels: list[GroupLevel], sides: Vector) -> Mask:
     for level in levels:
         if not unknown.any():
             break
-        gradient = level.error.dot(level.matrix)
+        # At rest ½ |e|^2 is least, whatever the task shortens: the signs are those of e itself.
+        error = _raw(level) if level.curved else level.error
+        gradient = error.dot(level.matrix)
         if rows:
             gradient = gradient - _multipliers(rows, gradient).dot(np.concatenate(rows))
-        size = float(np.linalg.norm(level.error))
+        size = float(np.linalg.norm(error))
         felt = unknown & (np.abs(gradient) > _FELT * level.scale * size)
         held |= felt & (gradient * sides > 0.0)
         unknown &= ~felt
@@ -184,8 +187,8 @@ def _multipliers(rows: list[Matrix], gradient: Vector) -> Vector:
 
 def lift(
     level: GroupLevel, above: Above, kinematics: Kinematics, places: dict[int, slice]
-) -> tuple[Matrix, Vector, float]:
-    """Return the rows to add to a level, what to add to its error, and its least singular value.
+) -> tuple[Matrix, Vector, Vector, float]:
+    """Return the rows to add to a level, what to add to its error, their targets, and its least singular value.
 
     No row is added where the level is regular. ``above`` takes the level up.
 
@@ -202,24 +205,37 @@ def lift(
     else:
         least = float(values[-1]) if size else SINGULAR
     rank = int(np.count_nonzero(values > _RANK * max(level.scale, values.max(initial=0.0))))
-    lifts, more = np.empty((0, reduced.shape[1])), np.zeros_like(level.error)
+    null, more = vt[rank:].T, np.zeros_like(level.error)
+    rows, target = np.empty((0, reduced.shape[1])), np.zeros(0)
     size_of_error = float(np.linalg.norm(level.error))
     if least < SINGULAR * level.scale and size_of_error > 0.0 and reduced.shape[1]:
         bending = Bending(level, above, kinematics, places)
         raw = _raw(level) if level.curved else level.error
         longest = size_of_error if level.curved else min(size_of_error, FARTHEST * level.scale)
-        error = raw * (longest / float(np.linalg.norm(raw)))
-        lifts, lost = _rows(error, (u, values, vt), bending)
-        if len(lifts) and level.curved:
-            more = _saturated(level, raw - lost.dot(raw)) + lost.dot(error) - level.error
-    null = vt[rank:].T
-    if len(lifts):
-        both = np.concatenate((reduced, lifts))
-        _, seen, vt = np.linalg.svd(both)
-        null = vt[int(np.count_nonzero(seen > _RANK * seen[0])) :].T
-    added: Matrix = lifts.dot(above.free.T)
+        size_of_raw = float(np.linalg.norm(raw))
+        rows, lost = _rows(raw * (longest / size_of_raw), (u, values, vt), bending)
+        if len(rows):
+            model = Model.of(reduced, rows, longest)
+            rows, null, target = model.rows, model.null, np.zeros(len(model.rows))
+            if level.curved:
+                shrink = longest / size_of_raw
+                part = lost.dot(raw)
+                kept = _saturated(level, raw - part)
+                own = u[:, :size]
+                keeping = 1.0 - (own * lost.dot(own)).sum(axis=0)
+                asked = kept + shrink * part
+                true = reduced.T.dot(reduced) + bending.at(raw) + logarithm(level, raw, reduced)
+                step = model.step(
+                    true,
+                    (asked.dot(reduced), (kept + part).dot(reduced)),
+                    size_of_raw,
+                )
+                step *= 1.0 - keeping.min(initial=1.0)
+                more = asked + reduced.dot(step) - level.error
+                target = rows.dot(step)
+    added: Matrix = rows.dot(above.free.T)
     above.add(level, added, null)
-    return added, more, least / level.scale
+    return added, more, target, least / level.scale
 
 
 def _raw(level: GroupLevel) -> Vector:
