@@ -161,7 +161,7 @@ def pressed(levels: list[GroupLevel], sides: Vector) -> Mask:
         if not unknown.any():
             break
         # At rest ½ |e|^2 is least, whatever the task shortens: the signs are those of e itself.
-        error = _raw(level) if level.curved else level.error
+        error = unsaturated(level) if level.curved else level.error
         gradient = error.dot(level.matrix)
         if rows:
             gradient = gradient - _multipliers(rows, gradient).dot(np.concatenate(rows))
@@ -188,9 +188,9 @@ def _multipliers(rows: list[Matrix], gradient: Vector) -> Vector:
 def lift(
     level: GroupLevel, above: Above, kinematics: Kinematics, places: dict[int, slice]
 ) -> tuple[Matrix, Vector, Vector, float]:
-    """Return the rows to add to a level, what to add to its error, their targets, and its least singular value.
+    """Return the rows to add to a level, what to add to its error, their targets, and sigma.
 
-    No row is added where the level is regular. ``above`` takes the level up.
+    The targets are over the gain; sigma is the least singular value. No row is added where the level is regular. ``above`` takes the level up.
 
     Raises:
         numpy.linalg.LinAlgError: a factorisation failed, as it does for numbers that are none.
@@ -210,7 +210,7 @@ def lift(
     size_of_error = float(np.linalg.norm(level.error))
     if least < SINGULAR * level.scale and size_of_error > 0.0 and reduced.shape[1]:
         bending = Bending(level, above, kinematics, places)
-        raw = _raw(level) if level.curved else level.error
+        raw = unsaturated(level) if level.curved else level.error
         longest = size_of_error if level.curved else min(size_of_error, FARTHEST * level.scale)
         size_of_raw = float(np.linalg.norm(raw))
         rows, lost = _rows(raw * (longest / size_of_raw), (u, values, vt), bending)
@@ -238,7 +238,7 @@ def lift(
     return added, more, target, least / level.scale
 
 
-def _raw(level: GroupLevel) -> Vector:
+def unsaturated(level: GroupLevel) -> Vector:
     """Return the error of a level before its tasks saturated it, shape (m,)."""
     error = level.error.copy()
     for here, longest in level.saturated():

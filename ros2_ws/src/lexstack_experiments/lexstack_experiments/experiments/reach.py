@@ -65,9 +65,10 @@ def run_experiment(options: Options) -> Results:
             beyond = out_of_reach(kind, rng, team, home)
             within = within_reach(kind, rng, team, home)
             compared = list(LAWS) if number < _COMPARED else ["lexstack"]
+            within_laws = list(LAWS) if number < _COMPARED else ["undamped", "lexstack"]
             outside += [_outside(resolved, beyond, law) for law in compared]
             if kind not in SEVERAL:
-                inside += [_inside(resolved, within, law) for law in {*compared, "undamped"}]
+                inside += [_inside(resolved, within, law) for law in within_laws]
         options.say(f"{kind}: {options.cases} targets out of reach, as many within")
     more, table = more_figures(resolved, options, team, home)
     rows = [*_rows(outside, "out of reach"), *_rows(inside, "within reach")]
