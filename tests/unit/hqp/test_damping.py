@@ -9,7 +9,7 @@ from lexstack_core.bounds import Bounds, target_bounds
 from lexstack_core.config.stack import LevelConfig, StackConfig, TaskConfig
 from lexstack_core.hqp import Damper, HqpProblem, blocked, damping, make_solver, regular
 from lexstack_core.hqp.groups import groups_of
-from lexstack_core.hqp.lift import Above, Bending, unsaturated
+from lexstack_core.hqp.lift import Above, Bending
 from lexstack_core.hqp.valley import logarithm
 from lexstack_core.model import Pose
 from lexstack_core.references import References
@@ -85,7 +85,7 @@ def test_what_is_known_of_a_level_is_its_second_derivative(kind, weight):
     group, level, kinematics = level_at(q)
     above = Above.of_held(np.zeros(group.size, dtype=bool))
     bending = Bending(level, above, kinematics, group.places)
-    error = unsaturated(level)
+    error = level.unsaturated()
     found = level.matrix.T @ level.matrix
     found = found + bending.at(error) + logarithm(level, error, level.matrix)
     step, columns = 1e-6, []
@@ -95,7 +95,7 @@ def test_what_is_known_of_a_level_is_its_second_derivative(kind, weight):
             there = q.copy()
             there[i] += sign
             _, moved, _ = level_at(there)
-            gradients.append(moved.matrix.T @ unsaturated(moved))
+            gradients.append(moved.matrix.T @ moved.unsaturated())
         columns.append((gradients[1] - gradients[0]) / (2.0 * step))
     np.testing.assert_allclose(found, np.array(columns), atol=1e-6 * weight)
 

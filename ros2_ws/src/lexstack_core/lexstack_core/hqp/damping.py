@@ -9,8 +9,9 @@ from functools import lru_cache
 import numpy as np
 
 from lexstack_core.bounds import JointLimits
+from lexstack_core.hqp.group_level import GroupLevel
 from lexstack_core.hqp.groups import Group, groups_of
-from lexstack_core.hqp.lift import TOLD, Above, GroupLevel, lift, pressed
+from lexstack_core.hqp.lift import TOLD, Above, lift, pressed
 from lexstack_core.hqp.problem import HqpProblem, NearSingular, Solution
 from lexstack_core.hqp.regular import regular_levels
 from lexstack_core.hqp.rows import Mask, Signs

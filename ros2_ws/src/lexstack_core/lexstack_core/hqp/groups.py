@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from lexstack_core.hqp.lift import GroupLevel
+from lexstack_core.hqp.group_level import GroupLevel
 from lexstack_core.hqp.problem import HqpProblem
 from lexstack_core.hqp.rows import Indices, Mask
 from lexstack_core.linear import LinearTask, Matrix, Vector

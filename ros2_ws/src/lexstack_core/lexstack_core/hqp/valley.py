@@ -22,14 +22,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.linalg.lapack import dgesdd, dsyevd
 
+from lexstack_core.hqp.group_level import GroupLevel
 from lexstack_core.linear import Matrix, Vector
-
-if TYPE_CHECKING:
-    from lexstack_core.hqp.lift import GroupLevel
 
 _RANK = 1e-8  # of the largest singular value: below it a level does not see a direction
 _FLAT = 1e-4  # m, times |e|: less curvature counts as that much
@@ -65,7 +63,7 @@ class Model:
             rows: R, shape (k, f).
             size: |e|, as the level asks for it.
         """
-        _, values, vt = np.linalg.svd(np.concatenate((matrix, rows)))
+        _, values, vt = singular(np.concatenate((matrix, rows)))
         count = int(np.count_nonzero(values > _RANK * values[0]))
         squares, least = np.square(values[:count]), _FLAT * size
         weak = squares < least
@@ -82,7 +80,7 @@ class Model:
             asked: g, and G^-1 g.
             size: |e|, before it was scaled down.
         """
-        values, vectors = np.linalg.eigh(self.seen.T.dot(true).dot(self.seen))
+        values, vectors = symmetric(self.seen.T.dot(true).dot(self.seen))
         curvature = np.maximum(np.abs(values), _FLAT * size)
         inverse = vectors / self.squares[:, None]
         directions = self.seen.dot(vectors)
@@ -115,3 +113,29 @@ def logarithm(level: GroupLevel, error: Vector, matrix: Matrix) -> Matrix:
         along = turn.dot(rows) / angle
         total += (half / math.tan(half) - 1.0) * (rows.T.dot(rows) - along[:, None] * along)
     return total
+
+
+def singular(matrix: Matrix) -> tuple[Matrix, Vector, Matrix]:
+    """Return u, s and v^T of a matrix, as numpy does in twice the time.
+
+    Raises:
+        numpy.linalg.LinAlgError: there are none, as of what is no number.
+    """
+    if not matrix.size:
+        return np.linalg.svd(matrix)
+    u, values, vt, failed = dgesdd(matrix)
+    if failed or not math.isfinite(float(values.sum())):
+        raise np.linalg.LinAlgError("a level is not finite, or has no singular values")
+    return u, values, vt
+
+
+def symmetric(matrix: Matrix) -> tuple[Vector, Matrix]:
+    """Return eigenvalues and eigenvectors of a symmetric matrix.
+
+    Raises:
+        numpy.linalg.LinAlgError: there are none.
+    """
+    values, vectors, failed = dsyevd(matrix)
+    if failed:
+        raise np.linalg.LinAlgError("the second derivative of a level has no eigenvalues")
+    return values, vectors

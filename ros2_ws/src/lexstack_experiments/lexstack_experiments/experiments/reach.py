@@ -28,7 +28,8 @@ from lexstack_experiments.runs import changed, scenario_of
 
 NAME = "reach"
 SECONDS = 10.0
-_TAIL = 3.0  # s, the end of a run over which changes of sign are counted
+_TAIL = 3.0  # s, the end of a run over which changes of sign are counted; at rest, if it is shorter
+_LEAST_TAIL = 0.1  # s
 _COMPARED = 3  # targets of a kind out of reach that the baselines run too
 _COLUMNS = ("law", "targets", "kind", "cases", "at rest", "median s", "longest s",
             "sign changes 1/s", "largest gap m2")  # fmt: skip
@@ -85,8 +86,9 @@ def run_experiment(options: Options) -> Results:
 def _outside(resolved: ResolvedScenario, case: Case, law: str) -> Outcome:
     """Return what became of a target out of reach."""
     motion: Motion = run(resolved, case, law, SECONDS)
-    signs, gap = motion.sign_changes(_TAIL), motion.excess()
-    return Outcome(case, law, motion.rest_after(), signs, gap, None)
+    rest = motion.rest_after()
+    resting = _TAIL if rest is None else max(min(_TAIL, SECONDS - rest), _LEAST_TAIL)
+    return Outcome(case, law, rest, motion.sign_changes(resting), motion.excess(), None)
 
 
 def _inside(resolved: ResolvedScenario, case: Case, law: str) -> Outcome:
