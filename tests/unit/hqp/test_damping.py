@@ -7,10 +7,13 @@ import pytest
 
 from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
 from lexstack.hqp import Damper, HqpProblem, blocked, damping, make_solver, regular
-from lexstack.hqp.curvature import add_curvature
+from lexstack.hqp.groups import groups_of
+from lexstack.hqp.lift import Above, Bending
+from lexstack.hqp.valley import logarithm
 from lexstack.limits.viable_bounds import Bounds, target_bounds
 from lexstack.references import References
 from lexstack.robots import Pose
+from lexstack.spatial import from_rpy
 from lexstack.tasks.stack import build_stack
 from support.scenario import home, random_q, state_at, team
 
@@ -62,27 +65,39 @@ def damped_at(stack, q, **options):
 
 @pytest.mark.parametrize("kind", ["ee_pose", "ee_position", "relative_pose"])
 @pytest.mark.parametrize("weight", [1.0, 4.0])
-def test_the_curvature_of_a_task_is_the_second_derivative_of_its_rows(kind, weight):
+def test_what_is_known_of_a_level_is_its_second_derivative(kind, weight):
+    """J^T D J + B(e) is that of ½ |e|^2, with e before the task shortened it."""
     rng = np.random.default_rng(5)
     stack, q = stack_of(kind, robot="robot_a", weight=weight), random_q(rng)
     goals = references(q, rng.normal(size=3))
-    task = stack.linearise(team().kinematics(state_at(q)), goals)[0][0]
-    weights = rng.normal(size=task.lower.size)
-    kinematics = team().kinematics(state_at(q))
-    found = np.zeros((team().n, team().n))
-    add_curvature(found, task, weights, kinematics, dict(enumerate(team().slices)))
-    step = 1e-6
-    columns = []
-    for i in range(team().n):
-        moved = []
+    turned = [Pose(pose.position, from_rpy((0.9, -0.7, 0.4)) @ pose.rotation) for pose in goals.ee]
+    goals = References((goals.ee[0], turned[1]) if kind == "relative_pose" else tuple(turned),
+                       goals.base)  # fmt: skip
+
+    def level_at(there):
+        kinematics = team().kinematics(state_at(there))
+        bounds = target_bounds(there, team().limits, team().dt)
+        given = HqpProblem(stack.linearise(kinematics, goals), bounds)
+        (group,) = [group for group in groups_of(given, team().slices) if group.ranks]
+        (level,) = group.levels(given)
+        return group, level, kinematics
+
+    group, level, kinematics = level_at(q)
+    above = Above.of_held(np.zeros(group.size, dtype=bool))
+    bending = Bending(level, above, kinematics, group.places)
+    error = level.unsaturated()
+    found = level.matrix.T @ level.matrix
+    found = found + bending.at(error) + logarithm(level, error, level.matrix)
+    step, columns = 1e-6, []
+    for i in np.arange(team().n)[group.columns]:
+        gradients = []
         for sign in (step, -step):
             there = q.copy()
             there[i] += sign
-            rows = stack.linearise(team().kinematics(state_at(there)), goals)[0][0].matrix
-            moved.append(weights @ rows)
-        columns.append((moved[0] - moved[1]) / (2.0 * step))
-    expected = -np.array(columns)
-    np.testing.assert_allclose(found, 0.5 * (expected + expected.T), atol=1e-6 * weight)
+            _, moved, _ = level_at(there)
+            gradients.append(moved.matrix.T @ moved.unsaturated())
+        columns.append((gradients[1] - gradients[0]) / (2.0 * step))
+    np.testing.assert_allclose(found, np.array(columns), atol=1e-6 * weight)
 
 
 def test_where_all_levels_are_regular_the_problem_is_the_very_same_one():

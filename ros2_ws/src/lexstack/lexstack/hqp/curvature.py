@@ -13,7 +13,10 @@ so with a force f and a moment t along the rows, for i <= j,
 
     B_ij = w_i . (f x v_j + (t x w_j) / 2)
 
-two products of small matrices, and no finite differences.
+two products of small matrices, and no finite differences. The rotation between the tools of two
+robots a and b turns with both of them: with the moment t on b
+
+    B_ij = t . (w_i x w_j) / 2          i of a, j of b
 """
 
 from __future__ import annotations
@@ -51,6 +54,13 @@ def add_curvature(
         linear = (sign / curve.scale) * task.matrix[:3, columns]
         here = places[robot]
         into[here, here] += chain_curvature(linear, kinematics.jacobians[robot][3:], forces)
+    if len(curve.signs) == 2 and weights.size == 6:
+        one, other = curve.robots
+        moment = _cross((0.5 * curve.signs[1] * curve.scale) * weights[3:])
+        axes = kinematics.jacobians[one][3:], kinematics.jacobians[other][3:]
+        block = axes[0].T.dot(moment).dot(axes[1])
+        into[places[one], places[other]] -= block
+        into[places[other], places[one]] -= block.T
 
 
 def chain_curvature(linear: Matrix, axes: Matrix, forces: Vector) -> Matrix:

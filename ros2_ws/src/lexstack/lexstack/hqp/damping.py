@@ -8,10 +8,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from lexstack.hqp.group_level import GroupLevel
 from lexstack.hqp.groups import Group
 from lexstack.hqp.hierarchy import Mask, Signs
 from lexstack.hqp.irregular import Margins
-from lexstack.hqp.lift import TOLD, Above, GroupLevel, lift, pressed
+from lexstack.hqp.lift import TOLD, Above, lift, pressed
 from lexstack.hqp.problem import HqpProblem, NearSingular, Solution
 from lexstack.limits.viable_bounds import JointLimits
 from lexstack.robots import Kinematics, Team
@@ -144,7 +145,7 @@ class Damper:
         group, mine, regular = share
         triples = list(zip(group.ranks, group.tasks, mine, strict=True))
         for k, places, level in triples[regular:]:
-            rows, more, least = lift(level, above, kinematics, group.places)
+            rows, more, target, least = lift(level, above, kinematics, group.places)
             names = " + ".join([task.name for task in level.tasks])
             if len(rows) or least < TOLD:
                 near.append(NearSingular(k, names, least, len(rows)))
@@ -158,7 +159,7 @@ class Damper:
             matrix = np.zeros((len(rows), self._slices[-1].stop))
             matrix[:, group.columns] = rows
             curve = next(task.curve for task in level.tasks if task.curve is not None)
-            added = LinearTask.equality(f"{names}: damping", matrix, np.zeros(len(rows)), curve)
+            added = LinearTask.equality(f"{names}: damping", matrix, curve.gain * target, curve)
             levels[k].append(added)
         return near
 

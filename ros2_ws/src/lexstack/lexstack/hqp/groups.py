@@ -7,8 +7,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from lexstack.hqp.group_level import GroupLevel
 from lexstack.hqp.hierarchy import Indices, Mask
-from lexstack.hqp.lift import GroupLevel
 from lexstack.hqp.problem import HqpProblem
 from lexstack.types import LinearTask, Matrix, Vector
 

@@ -23,17 +23,20 @@ them (which do not bend), and the joints that stand at their position limits.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.linalg.lapack import dposv
 
 from lexstack.hqp.curvature import add_curvature
+from lexstack.hqp.group_level import GroupLevel
 from lexstack.hqp.hierarchy import Mask
 from lexstack.hqp.rank_revealing_qr import factorise
+from lexstack.hqp.valley import Model, logarithm, singular, symmetric
 from lexstack.robots import Kinematics
-from lexstack.types import LinearTask, Matrix, Vector
+from lexstack.types import Matrix, Vector
+
+__all__ = ["FARTHEST", "SINGULAR", "TOLD", "Above", "GroupLevel", "lift", "pressed"]
 
 TOLD = 0.02  # the least singular value below which a level is told of, damped or not
 SINGULAR = 0.15  # m or 1: with a larger singular value a level is as strict as ever
@@ -41,40 +44,8 @@ _LATE = 0.8  # of the lift, before a direction counts as lost: rows block what i
 _WEAK = 5e-6  # m, times |e|: only what truly does not bend is left to the levels below
 _RANK = 1e-8  # of a level's norm, as in the solver
 _REGULAR = 1e-6  # added to G G^T; rows have norms of about 1
-_FULL = 1e-6  # squared, of a saturated error that is no longer told from the limit
 _FELT = 1e-6  # m, times |e|: a joint that a level presses less is not pressed by it
 FARTHEST = 0.3  # m or rad: tasks that are linear in the joints do not saturate their errors
-
-
-@dataclass(slots=True)
-class GroupLevel:
-    """One level, as far as it concerns robots that are coupled.
-
-    Attributes:
-        tasks: with rows on these robots.
-        matrix: the equality rows, shape (m, r).
-        error: e of each row, 0 where a row asks for something else, shape (m,).
-        scale: the largest root of a weight among the tasks.
-        curved: whether a task of it is curved.
-        nested: whether a level above is.
-        starts: the first row of each task.
-    """
-
-    tasks: tuple[LinearTask, ...]
-    matrix: Matrix
-    error: Vector
-    scale: float
-    curved: bool
-    nested: bool
-    starts: tuple[int, ...]
-
-    def saturated(self) -> Iterator[tuple[slice, float]]:
-        """Yield rows whose error was saturated together, and the length that it stays below."""
-        for task, start in zip(self.tasks, self.starts, strict=True):
-            if task.curve is not None:
-                for i, limit in enumerate(task.curve.limits):
-                    longest = limit * task.curve.scale / task.curve.gain
-                    yield slice(start + 3 * i, start + 3 * i + 3), longest
 
 
 @dataclass(slots=True)
@@ -159,10 +130,12 @@ def pressed(levels: list[GroupLevel], sides: Vector) -> Mask:
     for level in levels:
         if not unknown.any():
             break
-        gradient = level.error.dot(level.matrix)
+        # At rest ½ |e|^2 is least, whatever the task shortens: the signs are those of e itself.
+        error = level.unsaturated() if level.curved else level.error
+        gradient = error.dot(level.matrix)
         if rows:
             gradient = gradient - _multipliers(rows, gradient).dot(np.concatenate(rows))
-        size = float(np.linalg.norm(level.error))
+        size = float(np.linalg.norm(error))
         felt = unknown & (np.abs(gradient) > _FELT * level.scale * size)
         held |= felt & (gradient * sides > 0.0)
         unknown &= ~felt
@@ -184,79 +157,88 @@ def _multipliers(rows: list[Matrix], gradient: Vector) -> Vector:
 
 def lift(
     level: GroupLevel, above: Above, kinematics: Kinematics, places: dict[int, slice]
-) -> tuple[Matrix, Vector, float]:
-    """Return the rows to add to a level, what to add to its error, and its least singular value.
+) -> tuple[Matrix, Vector, Vector, float]:
+    """Return the rows to add to a level, what to add to its error, their targets, and sigma.
 
-    No row is added where the level is regular. ``above`` takes the level up.
+    The targets are over the gain; sigma is the least singular value. No row is added where the
+    level is regular. ``above`` takes the level up.
 
     Raises:
         numpy.linalg.LinAlgError: a factorisation failed, as it does for numbers that are none.
     """
     reduced = level.matrix.dot(above.free)
-    u, values, vt = np.linalg.svd(reduced)
-    if not math.isfinite(float(values.sum())):
-        raise np.linalg.LinAlgError("a level is not finite")
+    u, values, vt = singular(reduced)
     size = len(values)
     if size < len(level.matrix) and level.curved:
         least = 0.0  # fewer freedoms than rows: some direction of the task is lost
     else:
         least = float(values[-1]) if size else SINGULAR
     rank = int(np.count_nonzero(values > _RANK * max(level.scale, values.max(initial=0.0))))
-    lifts, more = np.empty((0, reduced.shape[1])), np.zeros_like(level.error)
+    null, more = vt[rank:].T, np.zeros_like(level.error)
+    rows, target = np.empty((0, reduced.shape[1])), np.zeros(0)
     size_of_error = float(np.linalg.norm(level.error))
     if least < SINGULAR * level.scale and size_of_error > 0.0 and reduced.shape[1]:
         bending = Bending(level, above, kinematics, places)
-        raw = _raw(level) if level.curved else level.error
+        raw = level.unsaturated() if level.curved else level.error
         longest = size_of_error if level.curved else min(size_of_error, FARTHEST * level.scale)
-        error = raw * (longest / float(np.linalg.norm(raw)))
-        lifts, lost = _rows(error, (u, values, vt), bending)
-        if len(lifts) and level.curved:
-            more = _saturated(level, raw - lost.dot(raw)) + lost.dot(error) - level.error
-    null = vt[rank:].T
-    if len(lifts):
-        both = np.concatenate((reduced, lifts))
-        _, seen, vt = np.linalg.svd(both)
-        null = vt[int(np.count_nonzero(seen > _RANK * seen[0])) :].T
-    added: Matrix = lifts.dot(above.free.T)
+        size_of_raw = float(np.linalg.norm(raw))
+        rows, lost, bent = _rows(raw * (longest / size_of_raw), (u, values, vt), bending)
+        if len(rows):
+            model = Model.of(reduced, rows, longest)
+            rows, null, target = model.rows, model.null, np.zeros(len(model.rows))
+            if level.curved:
+                shrink = longest / size_of_raw
+                true = reduced.T.dot(reduced) + bent / shrink + logarithm(level, raw, reduced)
+                asked, step = _asked(level, (raw, lost.dot(raw)), shrink, (reduced, model, true))
+                own = u[:, :size]  # the more of a direction is lost, the more of Newton's step
+                step *= float((own * lost.dot(own)).sum(axis=0).max(initial=0.0))
+                more = asked + reduced.dot(step) - level.error
+                target = rows.dot(step)
+    added: Matrix = rows.dot(above.free.T)
     above.add(level, added, null)
-    return added, more, least / level.scale
+    return added, more, target, least / level.scale
 
 
-def _raw(level: GroupLevel) -> Vector:
-    """Return the error of a level before its tasks saturated it, shape (m,)."""
-    error = level.error.copy()
-    for here, longest in level.saturated():
-        part = error[here] / longest
-        error[here] /= math.sqrt(max(_FULL, 1.0 - float(part.dot(part))))
-    return error
+def _asked(
+    level: GroupLevel,
+    error: tuple[Vector, Vector],
+    shrink: float,
+    curvature: tuple[Matrix, Model, Matrix],
+) -> tuple[Vector, Vector]:
+    """Return what a damped level asks to remove, shape (m,), and what to add to its step.
 
-
-def _saturated(level: GroupLevel, error: Vector) -> Vector:
-    """Return an error as the level's tasks would saturate it, shape (m,)."""
-    result = error.copy()
-    for here, longest in level.saturated():
-        part = error[here] / longest
-        result[here] /= math.sqrt(1.0 + float(part.dot(part)))
-    return result
+    Args:
+        level: of curved tasks.
+        error: not saturated, and the part of it that is lost, shape (m,) each.
+        shrink: by how much the lost part is scaled down.
+        curvature: J, the model, and the true second derivative, in the free directions.
+    """
+    raw, lost = error
+    reduced, model, true = curvature
+    kept = level.saturated(raw - lost)
+    asked = kept + shrink * lost
+    gradients = asked.dot(reduced), (kept + lost).dot(reduced)
+    return asked, model.step(true, gradients, math.sqrt(float(raw.dot(raw))))
 
 
 def _rows(
     error: Vector, factors: tuple[Matrix, Vector, Matrix], bending: Bending
-) -> tuple[Matrix, Matrix]:
-    """Return R1 and R2 in the free directions, and the lost part of errors, shape (m, m)."""
+) -> tuple[Matrix, Matrix, Matrix]:
+    """Return R1 and R2 in the free directions, the lost part of errors, shape (m, m), and B(e)."""
     u, values, vt = factors
     size = len(values)
     squares, singular = values * values, SINGULAR * bending.level.scale
     directions = vt[:size]
-    need = np.einsum("ij,jk,ik->i", directions, bending.at(error), directions)
+    bent = bending.at(error)
+    need = (directions.dot(bent) * directions).sum(axis=1)
     if bending.level.curved:
         # What the level asks for now may be at rest where the error as it is would not.
         asked = bending.at(bending.level.error)
-        need = np.maximum(need, np.einsum("ij,jk,ik->i", directions, asked, directions))
+        need = np.maximum(need, (directions.dot(asked) * directions).sum(axis=1))
     need = np.maximum(need, 0.0) * np.maximum(1.0 - squares / singular**2, 0.0)
     lifted = need > squares
     if not lifted.any() and (size == len(u) or not bending.level.curved):
-        return np.empty((0, len(vt))), np.zeros((0, 0))
+        return np.empty((0, len(vt))), np.zeros((0, 0)), bent
     lost = np.zeros(size)
     lost[lifted] = 1.0 - squares[lifted] / need[lifted]
     lost = np.minimum(np.maximum((lost - _LATE) / (1.0 - _LATE), 0.0), 1.0)
@@ -269,10 +251,10 @@ def _rows(
         along[:size] = lost
         selected = (vt.T * along).dot(vt)
         shape = selected.dot(shape).dot(selected)
-    eigenvalues, vectors = np.linalg.eigh(shape)
+    eigenvalues, vectors = symmetric(shape)
     strong = eigenvalues > _WEAK * bending.level.scale * float(np.linalg.norm(error))
     first = (np.sqrt(eigenvalues[strong]) * vectors[:, strong]).T
     rest = need - squares - np.square(first.dot(directions.T)).sum(axis=0)
     left = lifted & (rest > 0.0)
     second = np.sqrt(rest[left])[:, None] * directions[left]
-    return np.concatenate((first, second)), np.eye(len(u)) - kept
+    return np.concatenate((first, second)), np.eye(len(u)) - kept, bent

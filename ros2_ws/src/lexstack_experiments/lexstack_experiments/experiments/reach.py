@@ -2,7 +2,7 @@
 
 No damping, plain damping (Levenberg and Marquardt's, of every tool level) and the product's own,
 on random targets that no constant was tuned on. One process, an exact integrator: what moves is
-what the law asks for.
+what the law asks for. Out of reach the baselines run the first few targets of each kind alone.
 """
 
 from __future__ import annotations
@@ -14,15 +14,23 @@ import numpy as np
 from lexstack.config.resolved import ResolvedScenario
 from lexstack.robots import Team
 from lexstack_experiments.experiment import Experiment, Options
-from lexstack_experiments.experiments.reach_cases import KINDS, Case, out_of_reach, within_reach
+from lexstack_experiments.experiments.reach_cases import (
+    KINDS,
+    SEVERAL,
+    Case,
+    out_of_reach,
+    within_reach,
+)
+from lexstack_experiments.experiments.reach_more import more_figures
 from lexstack_experiments.experiments.reach_runs import LAWS, Motion, run
 from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
 from lexstack_experiments.runs import changed, scenario_of
 
 NAME = "reach"
 SECONDS = 10.0
-_TAIL = 3.0  # s, the end of a run over which changes of sign are counted
-_SEVERAL = ("relative",)  # open: reported, and not among the goals
+_TAIL = 3.0  # s, the end of a run over which changes of sign are counted; at rest, if it is shorter
+_LEAST_TAIL = 0.1  # s
+_COMPARED = 3  # targets of a kind out of reach that the baselines run too
 _COLUMNS = ("law", "targets", "kind", "cases", "at rest", "median s", "longest s",
             "sign changes 1/s", "largest gap m2")  # fmt: skip
 
@@ -31,12 +39,17 @@ _COLUMNS = ("law", "targets", "kind", "cases", "at rest", "median s", "longest s
 class Outcome:
     """What one run came to: times [s], None where they did not come."""
 
-    kind: str
+    case: Case
     law: str
     rest: float | None
     signs: float
     gap: float
     reached: float | None
+
+    @property
+    def kind(self) -> str:
+        """Of the case."""
+        return self.case.kind
 
 
 def run_experiment(options: Options) -> Results:
@@ -52,16 +65,20 @@ def run_experiment(options: Options) -> Results:
             rng = np.random.default_rng([options.seed, place, number])
             beyond = out_of_reach(kind, rng, team, home)
             within = within_reach(kind, rng, team, home)
-            outside += [_outside(resolved, beyond, law) for law in LAWS]
-            inside += [_inside(resolved, within, law) for law in LAWS]
+            compared = list(LAWS) if number < _COMPARED else ["lexstack"]
+            within_laws = list(LAWS) if number < _COMPARED else ["undamped", "lexstack"]
+            outside += [_outside(resolved, beyond, law) for law in compared]
+            if kind not in SEVERAL:
+                inside += [_inside(resolved, within, law) for law in within_laws]
         options.say(f"{kind}: {options.cases} targets out of reach, as many within")
+    more, table = more_figures(resolved, options, team, home)
     rows = [*_rows(outside, "out of reach"), *_rows(inside, "within reach")]
     return Results(
         NAME,
         options.seed,
         options.cases,
-        (*_rest_figures(outside), *_reach_figures(inside)),
-        (Table(_COLUMNS, tuple(rows)),),
+        (*_rest_figures(outside), *_reach_figures(inside), *more),
+        (Table(_COLUMNS, tuple(rows)), table),
         {"plant": "exact integrator", "seconds": SECONDS, "kinds": len(KINDS)},
     )
 
@@ -69,20 +86,21 @@ def run_experiment(options: Options) -> Results:
 def _outside(resolved: ResolvedScenario, case: Case, law: str) -> Outcome:
     """Return what became of a target out of reach."""
     motion: Motion = run(resolved, case, law, SECONDS)
-    signs, gap = motion.sign_changes(_TAIL), motion.excess()
-    return Outcome(case.kind, law, motion.rest_after(), signs, gap, None)
+    rest = motion.rest_after()
+    resting = _TAIL if rest is None else max(min(_TAIL, SECONDS - rest), _LEAST_TAIL)
+    return Outcome(case, law, rest, motion.sign_changes(resting), motion.excess(), None)
 
 
 def _inside(resolved: ResolvedScenario, case: Case, law: str) -> Outcome:
     """Return what became of a target within reach."""
     motion: Motion = run(resolved, case, law, SECONDS)
     rest, signs = motion.rest_after(), motion.sign_changes(_TAIL)
-    return Outcome(case.kind, law, rest, signs, 0.0, motion.reached_after())
+    return Outcome(case, law, rest, signs, 0.0, motion.reached_after())
 
 
 def _rest_figures(outcomes: list[Outcome]) -> list[Figure]:
     """Return the figures of targets out of reach, of one pose level alone."""
-    judged = [each for each in outcomes if each.kind not in _SEVERAL]
+    judged = [each for each in outcomes if each.kind not in SEVERAL]
     ours = [each for each in judged if each.law == "lexstack"]
     share, median = _share(ours), _median([each.rest for each in ours])
     plain = _share([each for each in judged if each.law == "plain damping"])
@@ -104,7 +122,7 @@ def _reach_figures(outcomes: list[Outcome]) -> list[Figure]:
     ours, plain = ratios["lexstack"], ratios["plain damping"]
     lost = sum(
         mine.reached is None and before.reached is not None
-        for mine, before in zip(_of(outcomes, "lexstack"), _of(outcomes, "undamped"), strict=True)
+        for mine, before in _pairs(outcomes, "lexstack")
     )
     return [
         Figure("Targets within reach that undamped are reached, and are not", lost, "",
@@ -121,10 +139,19 @@ def _of(outcomes: list[Outcome], law: str) -> list[Outcome]:
     return [each for each in outcomes if each.law == law]
 
 
+def _pairs(outcomes: list[Outcome], law: str) -> list[tuple[Outcome, Outcome]]:
+    """Return a law's outcomes, each with what the same target came to undamped."""
+    before = {id(each.case): each for each in _of(outcomes, "undamped")}
+    return [(each, before[id(each.case)]) for each in _of(outcomes, law)]
+
+
 def _ratios(outcomes: list[Outcome], law: str) -> list[float]:
     """Return the times to reach against undamped, of the cases that both reach."""
-    pairs = zip(_of(outcomes, law), _of(outcomes, "undamped"), strict=True)
-    return [mine.reached / other.reached for mine, other in pairs if mine.reached and other.reached]
+    return [
+        mine.reached / other.reached
+        for mine, other in _pairs(outcomes, law)
+        if mine.reached and other.reached
+    ]
 
 
 def _share(outcomes: list[Outcome]) -> float | None:
@@ -150,6 +177,8 @@ def _rows(outcomes: list[Outcome], targets: str) -> list[tuple[Cell, ...]]:
     for law in LAWS:
         for kind in KINDS:
             mine = [each for each in outcomes if each.law == law and each.kind == kind]
+            if not mine:
+                continue
             times = [each.rest for each in mine if each.rest is not None]
             median, longest = _quantile(times, 0.5), _quantile(times, 1.0)
             signs = max((each.signs for each in mine), default=0.0)

@@ -26,10 +26,15 @@ KINDS = {
     "posture": ("ee_pose", "posture", "minimum_velocity"),
     "base below": ("ee_pose", "base", "minimum_velocity"),
     "relative": ("base", "relative_pose", "minimum_velocity"),
+    "nested": ("base", "relative_pose", "ee_pose", "minimum_velocity"),
 }
 """The stacks by what is asked for."""
 
-_BOTH = ("two robots", "relative")
+SEVERAL = ("nested",)
+"""Kinds with more than one level out of reach."""
+
+_BOTH = ("two robots", "relative", "nested")
+_HIGHEST = (0.0, -0.25537627, 0.0, -0.46700247, 0.0, 3.03484281, 0.0)  # rad: the arm straight up
 
 
 @dataclass(frozen=True)
@@ -103,7 +108,7 @@ def _case(kind: str, beyond: float, rng: np.random.Generator, team: Team, home: 
         else:
             aside = rng.uniform(-1.0, 1.0, 2)
             position = np.array([*(base[:2] + aside), HIGHEST + beyond])
-        if kind == "relative":
+        if kind in ("relative", "nested"):
             turn = from_rpy(tuple(rng.uniform(-0.4, 0.4, 3)))
             position = starts[robot].position
             if robot == 1:
@@ -114,6 +119,15 @@ def _case(kind: str, beyond: float, rng: np.random.Generator, team: Team, home: 
         tools.append(Pose(position, turn @ starts[robot].rotation))
         bases.append(base.copy())
     return Case(kind, beyond, tuple(tools), tuple(bases))
+
+
+def straight_up(beyond: float, team: Team, home: Vector) -> Case:
+    """Return a target for the tool that far above the highest point that it comes to [m]."""
+    q = home[team.slices[0]].copy()
+    q[3:] = _HIGHEST
+    best = team.robots[0].tool(q)[0]
+    above = Pose(best.position + np.array([0.0, 0.0, beyond]), best.rotation)
+    return Case("free position", beyond, (above,), (q[:3].copy(),))
 
 
 def _direction(rng: np.random.Generator) -> Vector:
