@@ -51,14 +51,16 @@ def told(
     blend, names = channel.blend, channel.part.names
     if blend is None:
         id_, stack, phase, part = channel.id, channel.target.name, Phase.IDLE, plan.alpha
+        origin = channel.origin
         if channel.aborted:
             phase = Phase.ABORTED
         elif coming is not None:
             request, phase = coming
-            id_, stack, part = request.id, request.stack, 0.0
+            # A request leaves the stack in effect, not the one that was left by the last request.
+            id_, origin, stack, part = request.id, stack, request.stack, 0.0
         return TransitionState(
             id_,
-            channel.origin,
+            origin,
             stack,
             Source.NONE,
             "",
