@@ -17,7 +17,7 @@ from lexstack_core.bounds import Bounds
 from lexstack_core.hqp.checks import starting_point, touched
 from lexstack_core.hqp.exchange import Guess, solve_by_exchange
 from lexstack_core.hqp.factor import factorise
-from lexstack_core.hqp.problem import HqpProblem, Solution, Status
+from lexstack_core.hqp.problem import HqpProblem, Solution, Status, called
 from lexstack_core.hqp.qp import LevelQp, QpBackend
 from lexstack_core.hqp.reduction import Walls, reduce_level
 from lexstack_core.hqp.refine import Point, refine
@@ -53,7 +53,7 @@ class NullSpaceCascade:
         # Numbers that are not finite are found and said; numpy need not warn of them as well.
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             hierarchy = Hierarchy(problem.levels, problem.bounds.lower.size)
-            chi, reason = starting_point(hierarchy, problem.bounds.lower, problem.bounds.upper)
+            chi, reason = starting_point(hierarchy, problem)
             even, bands = hierarchy, None
             if not reason:
                 even, bands = scaled(hierarchy, problem.levels)
@@ -61,7 +61,7 @@ class NullSpaceCascade:
                 if bands is not None:
                     guess.rows = bands.rows_of(guess.rows)
                 held = warm.active if warm is not None and warm.active.size == chi.size else None
-                chi, reason = self._chi(even, bands, problem.bounds, chi, guess, held)
+                chi, reason = self._chi(even, bands, problem, chi, guess, held)
             slacks = hierarchy.slacks(hierarchy.residual(chi))
             rows = even.touched(chi)
             if bands is not None:
@@ -76,7 +76,7 @@ class NullSpaceCascade:
         self,
         hierarchy: Hierarchy,
         bands: Bands | None,
-        bounds: Bounds,
+        problem: HqpProblem,
         chi: Vector,
         guess: Guess,
         held: Signs | None,
@@ -86,12 +86,12 @@ class NullSpaceCascade:
         Args:
             hierarchy: scaled.
             bands: how, if it was.
-            bounds: of chi.
+            problem: as given, with the bounds of chi.
             chi: a point inside them, shape (n,).
             guess: what probably holds.
             held: the joints that held at the last optimum, if there is one, shape (n,).
         """
-        lower, upper = bounds.lower, bounds.upper
+        lower, upper = problem.bounds.lower, problem.bounds.upper
         if not chi.size:
             return chi, ""
         if self._guesses:
@@ -103,10 +103,13 @@ class NullSpaceCascade:
         )
         if why:
             level = k if bands is None else bands.owner[k]
-            return chi, f"level {level}: {self._backend.name}: {why}"
+            return chi, f"{called(level, problem.levels[level])}: {self._backend.name}: {why}"
         if bands is None or not bands.several:
             return chi, ""
-        return with_weights(hierarchy, bands, (lower, upper), chi)
+        chi, unmet = with_weights(hierarchy, bands, (lower, upper), chi)
+        if unmet < 0:
+            return chi, ""
+        return chi, f"{called(unmet, problem.levels[unmet])}: its rows differ too much in size"
 
     def _guess(
         self,

@@ -24,7 +24,7 @@ def with_singularity(state: TransitionState, near: tuple[NearSingular, ...]) -> 
         return state
     mine = tuple([f"{name}/" for name in state.robots])
     tasks = [
-        f"level {entry.level}: {entry.tasks}"
+        f"level {entry.level + 1}: {entry.tasks}"
         for entry in near
         if any(task.startswith(mine) for task in entry.tasks.split(" + "))
     ]
