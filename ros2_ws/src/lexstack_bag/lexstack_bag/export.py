@@ -174,7 +174,8 @@ def _plans(progress: ProgressStream) -> Columns:
         "error [m]": progress.error,
         "error_angle [rad]": progress.error_angle,
         **{
-            f"error/level_{k + 1} [m]": column for k, column in enumerate(np.asarray(progress.errors).T)
+            f"error/level_{k + 1} [m]": column
+            for k, column in enumerate(np.asarray(progress.errors).T)
         },
         "solved": progress.solved,
         "solve_time [s]": progress.solve_time,

@@ -13,7 +13,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from lexstack_core.bounds import Bounds
 from lexstack_core.hqp.checks import starting_point, touched
 from lexstack_core.hqp.exchange import Guess, solve_by_exchange
 from lexstack_core.hqp.factor import factorise

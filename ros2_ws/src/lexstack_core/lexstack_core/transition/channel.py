@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lexstack_core.hqp import HqpProblem
+from lexstack_core.hqp import NEAR, HqpProblem
 from lexstack_core.linear import LinearTask, Vector
 from lexstack_core.references import References
 from lexstack_core.stack import Stack, joined
 from lexstack_core.transition.blend import Blend
 from lexstack_core.transition.bridge import goes_on
 from lexstack_core.transition.carry import Carry
+from lexstack_core.transition.held_back import at_velocity_limit, held_back
 from lexstack_core.transition.methods import BRIDGES
 from lexstack_core.transition.part import Part
 from lexstack_core.transition.past import HURRY, Past
@@ -23,6 +24,7 @@ from lexstack_core.transition.sources import Choice, Moment, Sources
 from lexstack_core.transition.status import Source
 
 _NEAR = 10.0  # of what a joint follows in one tick: as old as a plan may be, and two ticks more
+_LOOK = 10  # ticks from look to look whether the velocity limits hold the target's levels back
 _SAME = 1e-3  # of what a joint's acceleration limit allows in one tick: no difference that is felt
 
 
@@ -108,6 +110,9 @@ class Channel:
         elif adopts and blend.end is None and blend.over_at(tick + 1, means):
             # Known one tick ahead, so that the source never solves for nothing.
             blend = replace(blend, end=tick + 2)
+        if NEAR not in reason and not (tick - blend.start) % _LOOK:
+            why = _held_back(blend, moment, means)
+            reason = "; ".join(word for word in (reason, why) if word)
         plan = Plan(blend.problem(level, moment, means), blend.source_chi, blend.progress.alpha)
         used, kept = moment.references, (self.part, self.adopted, self.origin, self.id)
         return Channel(*kept, used, blend, reason, self.aborted), plan
@@ -190,6 +195,15 @@ def _followed(
         count = f"; it is loss {tally.losses} of this blend, so B is not followed again"
         choice = replace(choice, why=choice.why + count)
     return choice, replace(blend, tally=tally, alone=alone)
+
+
+def _held_back(blend: Blend, moment: Moment, means: Means) -> str:
+    """Return which level of the target asks for more than the velocity limits allow, or ''."""
+    target, part = blend.way.target, blend.way.part
+    velocity = means.limits.velocity
+    if target.planned or not at_velocity_limit(part, blend.source_chi, velocity):
+        return ""
+    return held_back(part, target.linearise(moment.kinematics, moment.references), velocity)
 
 
 def asked_of(stack: Stack) -> Source:
