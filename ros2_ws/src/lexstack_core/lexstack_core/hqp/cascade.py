@@ -14,6 +14,12 @@ from dataclasses import replace
 import numpy as np
 
 from lexstack_core.hqp.checks import starting_point, touched
+from lexstack_core.hqp.columns import (
+    column_powers,
+    restored_columns,
+    scaled_columns,
+    warm_columns,
+)
 from lexstack_core.hqp.exchange import Guess, solve_by_exchange
 from lexstack_core.hqp.factor import factorise
 from lexstack_core.hqp.problem import HqpProblem, Solution, Status, called
@@ -52,19 +58,31 @@ class NullSpaceCascade:
         # Numbers that are not finite are found and said; numpy need not warn of them as well.
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             hierarchy = Hierarchy(problem.levels, problem.bounds.lower.size)
-            chi, reason = starting_point(hierarchy, problem)
-            even, bands = hierarchy, None
-            if not reason:
-                even, bands = scaled(hierarchy, problem.levels)
-                guess = _last(hierarchy, warm, chi.size)
-                if bands is not None:
-                    guess.rows = bands.rows_of(guess.rows)
-                held = warm.active if warm is not None and warm.active.size == chi.size else None
-                chi, reason = self._chi(even, bands, problem, chi, guess, held)
-            slacks = hierarchy.slacks(hierarchy.residual(chi))
-            rows = even.touched(chi)
+            powers = column_powers(hierarchy, problem)
+            if powers is None:
+                return self._solved(problem, hierarchy, warm, start)
+            other = scaled_columns(problem, powers)
+            warm = warm_columns(warm, powers.size)
+            found = self._solved(other, Hierarchy(other.levels, powers.size), warm, start)
+            return restored_columns(found, powers, hierarchy, problem.bounds)
+
+    def _solved(
+        self, problem: HqpProblem, hierarchy: Hierarchy, warm: Solution | None, start: float
+    ) -> Solution:
+        """Solve a problem whose columns are of about one size; ``start`` is when it was asked."""
+        chi, reason = starting_point(hierarchy, problem)
+        even, bands = hierarchy, None
+        if not reason:
+            even, bands = scaled(hierarchy, problem.levels)
+            guess = _last(hierarchy, warm, chi.size)
             if bands is not None:
-                rows = bands.restored(rows)
+                guess.rows = bands.rows_of(guess.rows)
+            held = warm.active if warm is not None and warm.active.size == chi.size else None
+            chi, reason = self._chi(even, bands, problem, chi, guess, held)
+        slacks = hierarchy.slacks(hierarchy.residual(chi))
+        rows = even.touched(chi)
+        if bands is not None:
+            rows = bands.restored(rows)
         active = touched(chi, problem.bounds)
         for array in (chi, active, slacks, rows):
             array.setflags(write=False)
