@@ -1,4 +1,4 @@
-"""The random trains of events by command: the same ones as in the tests, with ways and end times."""
+"""The random trains of events by command: those of the tests, with ways and end times."""
 
 from lexstack_experiments.commands.command import run_command
 from lexstack_experiments.experiment import Options
