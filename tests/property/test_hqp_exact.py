@@ -1,17 +1,21 @@
 """Every solver against rational arithmetic, whatever the size of the rows: cold, and warm."""
 
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from lexstack.hqp import make_solver
+from lexstack.hqp import HqpProblem, make_solver
 from lexstack.hqp.backends.daqp import DaqpCascade
 from lexstack.hqp.backends.proxqp import ProxqpCascade
 from lexstack.hqp.backends.quadprog import QuadprogCascade
+from lexstack.hqp.columns import column_powers
+from lexstack.hqp.hierarchy import Hierarchy
 from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import LinearTask
 from support.exact import exact_optimum, exact_slacks
 from support.integers import SCALES, integer_problem, shape
 
@@ -103,3 +107,51 @@ def test_an_active_set_that_names_far_ends_gives_no_chi_of_their_size(seed, end)
     named = replace(cold, active=rng.integers(-1, 2, size=n).astype(np.int8))
     assert_exact(wide, cold, "cold")
     assert_exact(wide, solver.solve(wide, named), "warm")
+
+
+def with_units(problem, powers):
+    """Return a problem whose variable j is given in units that are 2^powers[j] times as large."""
+    levels = tuple(
+        tuple(
+            LinearTask(task.name, np.ldexp(task.matrix, powers), task.lower, task.upper)
+            for task in level
+        )
+        for level in problem.levels
+    )
+    ends = (np.ldexp(end, -powers) for end in (problem.bounds.lower, problem.bounds.upper))
+    return HqpProblem(levels, Bounds(*ends))
+
+
+def assert_exact_in_units(problem, solution, powers, name):
+    """Each variable is judged in the unit in which all columns are of one size."""
+    assert solution.solved, (name, solution.reason)
+    exact = exact_optimum(problem)
+    chi = np.array([float(x * Fraction(2) ** int(p)) for x, p in zip(exact, powers, strict=True)])
+    size = max(1.0, float(np.abs(chi).max()))
+    mine = np.ldexp(solution.chi, powers)
+    np.testing.assert_allclose(mine, chi, atol=CLOSE * size, rtol=0.0, err_msg=name)
+
+
+@pytest.mark.parametrize("scales", ["one", "levels", "rows"])
+@pytest.mark.parametrize("seed", range(12))
+def test_variables_of_any_unit_have_the_exact_answer(scales, seed):
+    """Columns of um/s beside m/s: answers were wrong, or failed."""
+    rng = np.random.default_rng((seed, SCALES.index(scales), 7))
+    n, sizes = shape(rng)
+    powers = rng.integers(-20, 21, size=n)
+    warm = dict.fromkeys(SOLVERS)
+    for _ in range(3):
+        whole = with_units(integer_problem(rng, scales, n, sizes), powers)
+        for name, solver in SOLVERS.items():
+            assert_exact_in_units(whole, solver.solve(whole), powers, name)
+            warm[name] = solver.solve(whole, warm[name])
+            assert_exact_in_units(whole, warm[name], powers, f"{name}, warm")
+
+
+def test_ordinary_columns_are_taken_as_they_are():
+    rng = np.random.default_rng(3)
+    for scales in SCALES:
+        whole = integer_problem(rng, scales, *shape(rng))
+        assert column_powers(Hierarchy(whole.levels, whole.bounds.lower.size), whole) is None
+        nearly = with_units(whole, rng.integers(0, 8, size=whole.bounds.lower.size))
+        assert column_powers(Hierarchy(nearly.levels, nearly.bounds.lower.size), nearly) is None

@@ -135,4 +135,4 @@ def test_a_guard_lets_pass_what_it_was_made_from_and_no_worse(seed, delta, kind)
     worse = best + np.sign(best) * (delta + 1e-3) * 6.0
     excess, where = guard.excess(worse)
     assert excess > 0.0
-    assert where.startswith("level 0 ee")
+    assert where.startswith("level 1 ee")

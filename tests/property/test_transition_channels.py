@@ -154,6 +154,19 @@ def test_robots_on_one_stack_again_are_one_channel():
     assert run.record.commands[-1].stack == "track"
 
 
+def test_a_scheduled_request_names_the_stack_that_it_will_leave():
+    """It named the stack before: the one that the robots had come from."""
+    run = loop(transition=TransitionConfig(duration=0.1))
+    run.controller.transition.ask("reach_base", 0.0, "", 2)
+    run.run(30)
+    assert run.record.commands[-1].stack == "reach_base"
+    run.controller.transition.ask("posture", 0.0, "", 40)
+    run.run(15)
+    told = [command.transition for command in run.record.commands[30:]]
+    assert {state.phase for state in told} >= {Phase.REQUESTED, Phase.BLENDING}
+    assert {(state.from_stack, state.to_stack) for state in told} == {("reach_base", "posture")}
+
+
 def test_cancel_gives_every_robot_its_own_stack_back():
     run = loop(transition=TransitionConfig(duration=0.2))
     transition = run.controller.transition

@@ -11,24 +11,28 @@ import numpy as np
 from lexstack.config.resolved import ResolvedScenario
 from lexstack.control.factory import Parts
 from lexstack.transition.messages import SourceSample, TransitionState
+from lexstack_experiments.experiments import relatching_trains
+from lexstack_experiments.experiments.relatching_trains import BASES, ROBOTS
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from support.scenario import resolved, team
 
-BASES = ("track", "reach_base", "posture")
-ROBOTS = ("robot_a", "robot_b")
+__all__ = [
+    "BASES",
+    "ROBOTS",
+    "chi_of",
+    "loop",
+    "parts",
+    "silent_for",
+    "state_of",
+    "with_single_stacks",
+]
 
 
 @cache
 def with_single_stacks() -> ResolvedScenario:
     """Return the default scenario with ``NAME_ROBOT`` for each of its stacks and robots."""
-    base = resolved()
-    stacks = dict(base.stacks)
-    for name in BASES:
-        for robot in ROBOTS:
-            single = f"{name}_{robot}"
-            stacks[single] = dataclasses.replace(stacks[name], name=single, robots=(robot,))
-    return dataclasses.replace(base, stacks=stacks)
+    return relatching_trains.with_single_stacks(resolved())
 
 
 @cache

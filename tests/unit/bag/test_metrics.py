@@ -99,5 +99,6 @@ def test_the_file_has_the_promised_keys(metrics):
         "parts",
         "doubts",
         "gaps",
+        "singular",
     ]
     assert "NaN" not in metrics.to_json()

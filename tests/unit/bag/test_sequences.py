@@ -116,4 +116,5 @@ def test_the_progress_of_each_robot_is_a_table(run):
     columns = found["robot_a_plans"]
     assert len({len(column) for column in columns.values()}) == 1
     assert columns["task"].tolist() == ["to"] * 10 + ["give"] * 13
-    assert columns["error/level_1 [m]"].tolist() == [0.03] * 23
+    assert "error/level_0 [m]" not in columns, "levels are counted from 1"
+    assert columns["error/level_2 [m]"].tolist() == [0.03] * 23

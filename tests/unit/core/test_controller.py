@@ -290,7 +290,7 @@ def test_what_holds_a_level_back_is_told_by_name():
     run.controller.references.add(Target(0.02, 1, ee=far))
     command = run.step()
     said = run.controller.obstructed()
-    assert said.startswith("level 0: robot_b/ee_pose row 0 misses by ")
+    assert said.startswith("level 1: robot_b/ee_pose row 1 misses by ")
     at_bounds = np.flatnonzero(
         (command.chi == command.bounds.lower) | (command.chi == command.bounds.upper)
     )

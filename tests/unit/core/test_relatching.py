@@ -73,6 +73,22 @@ def test_a_target_in_mid_blend_is_as_smooth_with_a_late_b_as_in_lockstep(move, l
     assert found.record.commands[150 + lag + 1].transition.alpha == 0.0, "latched for B's jump"
 
 
+@pytest.mark.parametrize(
+    ("at", "move"),
+    [
+        (193, (0.0346, 0.0934, 0.009)),
+        (199, (0.022, 0.0943, 0.0249)),
+        (199, (0.0069, 0.0923, 0.0379)),
+    ],
+)
+def test_a_target_at_the_end_of_a_blend_is_as_smooth_with_a_late_b_as_in_lockstep(at, move):
+    """To take over from B's late chi added 2 % of the limit to the acceleration there: 1.18."""
+    ideal = steps(blend("lockstep", move=move, at=at))[at - 2 :].max()
+    assert ideal < 0.3
+    found = steps(blend("realtime", 1, named=True, move=move, at=at))[at - 2 :].max()
+    assert found <= 1.1 * ideal
+
+
 @pytest.mark.parametrize("late", [0, 1])
 def test_a_target_of_the_base_in_mid_blend_is_bridged_too(late):
     """It moves no row of level 1, B's chi alone: that jumped with all acceleration there is."""

@@ -46,7 +46,7 @@ def test_a_bound_in_the_way_is_named_with_its_side():
     assert (obstacle.joint, obstacle.side) == (0, 1)
     assert obstacle.force == pytest.approx(1.0)
     said = describe((level,), ("robot_a/x", "robot_a/y"))
-    assert said == "level 0: reach row 0 misses by -4, held by upper bound of robot_a/x (1)"
+    assert said == "level 1: reach row 1 misses by -4, held by upper bound of robot_a/x (1)"
 
 
 def test_a_lower_bound_and_the_ranking():
@@ -61,7 +61,7 @@ def test_a_row_of_a_higher_level_in_the_way():
     (obstacle,) = level.obstacles
     assert (obstacle.joint, obstacle.level, obstacle.task, obstacle.row) == (-1, 0, "hold", 0)
     assert obstacle.side == 1
-    assert "hold row 0 of level 0" in describe((level,), ("x", "y"))
+    assert "hold row 1 of level 1" in describe((level,), ("x", "y"))
 
 
 def test_an_inequality_row_in_the_way_with_the_right_side():

@@ -189,7 +189,7 @@ def test_a_level_close_to_a_singularity_is_told_even_where_it_needs_no_damping()
     assert damped.problem is given
     assert [(near.level, near.rows) for near in damped.near] == [(1, 0)]
     solution = damped.own(make_solver().solve(damped.problem))
-    assert str(solution.near[0]).startswith("level 1: robot_a/base (sigma ")
+    assert str(solution.near[0]).startswith("level 2: robot_a/base (sigma ")
 
 
 def test_a_level_below_is_damped_by_what_the_level_above_bends():

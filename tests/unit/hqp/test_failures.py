@@ -57,7 +57,7 @@ def test_a_task_that_is_not_finite(name, level, value):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             solution = make_solver(name).solve(given)
-        assert_failed(solution, given, f"level {level}")
+        assert_failed(solution, given, f"level {level + 1} (")
 
 
 @pytest.mark.parametrize("name", SOLVERS)
@@ -82,7 +82,7 @@ def test_numbers_out_of_all_proportion_end_in_a_value(name, size):
 @pytest.mark.parametrize("name", SOLVERS)
 def test_a_task_whose_row_is_empty(name):
     given = changed(1, lower=(0, 2.0), upper=(0, -2.0))
-    assert_failed(make_solver(name).solve(given), given, "level 1", "lower end")
+    assert_failed(make_solver(name).solve(given), given, "level 2 (", "lower end")
 
 
 @pytest.mark.parametrize(
@@ -135,7 +135,7 @@ def test_a_failing_backend_leaves_the_levels_above_solved(way, guesses):
     backend = Broken(way)
     solution = NullSpaceCascade(backend, guesses).solve(given)
     assert backend.calls == 2
-    assert_failed(solution, given, "level 1", "broken", "out of luck")
+    assert_failed(solution, given, "level 2 (", "broken", "out of luck")
     assert solution.slacks[0] == pytest.approx(whole.slacks[0], abs=1e-10)
     assert solution.slacks[1] > whole.slacks[1] + 1e-3
 
@@ -151,14 +151,14 @@ def test_the_iteration_limit_of_proxqp_is_a_failure(monkeypatch):
     monkeypatch.setattr(proxqp_module, "_ITERATIONS", 1)
     given = problem("tight", 6, N, 3)
     solution = ProxqpCascade(guesses=False).solve(given)
-    assert_failed(solution, given, "level 0", "proxqp", "PROXQP_MAX_ITER_REACHED")
+    assert_failed(solution, given, "level 1 (", "proxqp", "PROXQP_MAX_ITER_REACHED")
 
 
 def test_the_iteration_limit_of_daqp_is_a_failure(monkeypatch):
     monkeypatch.setattr(daqp_module, "_ITERATIONS", 1)
     given = problem("tight", 6, N, 3)
     solution = DaqpCascade(guesses=False).solve(given)
-    assert_failed(solution, given, "level 0", "daqp", "iteration limit")
+    assert_failed(solution, given, "level 1 (", "daqp", "iteration limit")
 
 
 def test_a_task_of_another_length_raises():

@@ -209,7 +209,7 @@ def test_where_the_weights_of_a_level_are_not_resolved_the_solver_says_so(monkey
     given = problem([[to(0, 1, 0), to(1e-3, 1e-3, 0)], [to(0.5, 0, 1)]], [-1] * 2, [1] * 2)
     solution = DaqpCascade().solve(given)
     assert solution.status is Status.FAILED
-    assert "level 0" in solution.reason
+    assert "level 1 (" in solution.reason
     assert "differ too much in size" in solution.reason
     met = problem([[to(0, 1, 0), to(1e-3, 0, 1e-3)]], [-1] * 2, [1] * 2)
     np.testing.assert_allclose(DaqpCascade().solve(met).chi, [0, 1], atol=1e-12)

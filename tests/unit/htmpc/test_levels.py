@@ -95,7 +95,7 @@ def test_without_tolerance_the_base_is_frozen_and_the_status_says_by_what(correc
     assert plan.solved
     assert status.steps == (0.0,)
     assert status.trials == solver.config.line_search.trials
-    assert status.blocked_by.startswith("level 0 ee, state ")
+    assert status.blocked_by.startswith("level 1 ee, state ")
     loose = optimiser(tolerance=0.001, correction=correction, resume=False)
     moved = loose.solve(start, objectives)
     assert moved.levels[1].outcome is Outcome.STEPPED

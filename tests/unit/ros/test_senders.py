@@ -129,6 +129,30 @@ def test_a_clock_that_is_off_is_told(offset, told):
     assert float(least) == pytest.approx(1e3 * offset + 0.3, abs=0.06)
 
 
+@pytest.mark.parametrize(
+    ("period", "delay", "told"),
+    [
+        (1.0, 0.03, ""),
+        (1.0, 0.2, "this host's clock is 200 ms ahead of that of the sender of /plant/state"),
+        (1.0, -0.03, "this host's clock is 30 ms behind that of the sender of /plant/state"),
+        (0.01, 0.03, "this host's clock is 30 ms ahead of that of the sender of /plant/state"),
+    ],
+)
+def test_a_delay_is_judged_by_the_period_that_the_plant_really_keeps(period, delay, told):
+    """At one tick per second every delay of a slow host was taken for a clock that is off."""
+    clock = Clock()
+    delays = Delays("/plant/state", clock)
+    complaints = []
+    for _ in range(3):
+        for _ in range(round(1.0 / period)):
+            clock.now += period
+            delays.add(info(clock.now, clock.now + delay))
+        complaints.append(delays.report()[0])
+    assert complaints[1:] == [told, told]
+    if period == 1.0 and delay > 0.0:
+        assert not complaints[0], "one message alone says nothing"
+
+
 def test_silence_is_told():
     clock = Clock()
     delays = Delays("/plant/state", clock)

@@ -14,16 +14,16 @@ from dataclasses import replace
 import numpy as np
 
 from lexstack.hqp.active_set import Guess, solve_by_exchange
+from lexstack.hqp.columns import column_powers, restored_columns, scaled_columns, warm_columns
 from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, LevelRows, Signs
 from lexstack.hqp.level_qp import LevelQp, QpBackend
 from lexstack.hqp.nullspace_level import Walls, reduce_level
 from lexstack.hqp.preconditions import starting_point, touched
-from lexstack.hqp.problem import HqpProblem, Solution, Status
+from lexstack.hqp.problem import HqpProblem, Solution, Status, called
 from lexstack.hqp.rank_revealing_qr import factorise
 from lexstack.hqp.refine import Point, refine
 from lexstack.hqp.scaling import Bands, scaled
 from lexstack.hqp.unmet import with_weights
-from lexstack.limits.viable_bounds import Bounds
 from lexstack.types import LinearTask, Matrix, Vector
 
 _BACKEND_ERRORS = (ArithmeticError, RuntimeError, ValueError)
@@ -53,19 +53,31 @@ class NullSpaceCascade:
         # Numbers that are not finite are found and said; numpy need not warn of them as well.
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             hierarchy = Hierarchy(problem.levels, problem.bounds.lower.size)
-            chi, reason = starting_point(hierarchy, problem.bounds.lower, problem.bounds.upper)
-            even, bands = hierarchy, None
-            if not reason:
-                even, bands = scaled(hierarchy, problem.levels)
-                guess = _last(hierarchy, warm, chi.size)
-                if bands is not None:
-                    guess.rows = bands.rows_of(guess.rows)
-                held = warm.active if warm is not None and warm.active.size == chi.size else None
-                chi, reason = self._chi(even, bands, problem.bounds, chi, guess, held)
-            slacks = hierarchy.slacks(hierarchy.residual(chi))
-            rows = even.touched(chi)
+            powers = column_powers(hierarchy, problem)
+            if powers is None:
+                return self._solved(problem, hierarchy, warm, start)
+            other = scaled_columns(problem, powers)
+            warm = warm_columns(warm, powers.size)
+            found = self._solved(other, Hierarchy(other.levels, powers.size), warm, start)
+            return restored_columns(found, powers, hierarchy, problem.bounds)
+
+    def _solved(
+        self, problem: HqpProblem, hierarchy: Hierarchy, warm: Solution | None, start: float
+    ) -> Solution:
+        """Solve a problem whose columns are of about one size; ``start`` is when it was asked."""
+        chi, reason = starting_point(hierarchy, problem)
+        even, bands = hierarchy, None
+        if not reason:
+            even, bands = scaled(hierarchy, problem.levels)
+            guess = _last(hierarchy, warm, chi.size)
             if bands is not None:
-                rows = bands.restored(rows)
+                guess.rows = bands.rows_of(guess.rows)
+            held = warm.active if warm is not None and warm.active.size == chi.size else None
+            chi, reason = self._chi(even, bands, problem, chi, guess, held)
+        slacks = hierarchy.slacks(hierarchy.residual(chi))
+        rows = even.touched(chi)
+        if bands is not None:
+            rows = bands.restored(rows)
         active = touched(chi, problem.bounds)
         for array in (chi, active, slacks, rows):
             array.setflags(write=False)
@@ -76,7 +88,7 @@ class NullSpaceCascade:
         self,
         hierarchy: Hierarchy,
         bands: Bands | None,
-        bounds: Bounds,
+        problem: HqpProblem,
         chi: Vector,
         guess: Guess,
         held: Signs | None,
@@ -86,12 +98,12 @@ class NullSpaceCascade:
         Args:
             hierarchy: scaled.
             bands: how, if it was.
-            bounds: of chi.
+            problem: as given, with the bounds of chi.
             chi: a point inside them, shape (n,).
             guess: what probably holds.
             held: the joints that held at the last optimum, if there is one, shape (n,).
         """
-        lower, upper = bounds.lower, bounds.upper
+        lower, upper = problem.bounds.lower, problem.bounds.upper
         if not chi.size:
             return chi, ""
         if self._guesses:
@@ -103,10 +115,13 @@ class NullSpaceCascade:
         )
         if why:
             level = k if bands is None else bands.owner[k]
-            return chi, f"level {level}: {self._backend.name}: {why}"
+            return chi, f"{called(level, problem.levels[level])}: {self._backend.name}: {why}"
         if bands is None or not bands.several:
             return chi, ""
-        return with_weights(hierarchy, bands, (lower, upper), chi)
+        chi, unmet = with_weights(hierarchy, bands, (lower, upper), chi)
+        if unmet < 0:
+            return chi, ""
+        return chi, f"{called(unmet, problem.levels[unmet])}: its rows differ too much in size"
 
     def _guess(
         self,

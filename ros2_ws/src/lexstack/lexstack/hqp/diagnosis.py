@@ -113,6 +113,8 @@ def blocked(
 def describe(levels: Sequence[Blocked], joint_names: Sequence[str]) -> str:
     """Return one line in words, not long, empty where every level is met.
 
+    Levels and rows are counted from 1 in it.
+
     Args:
         levels: as ``blocked`` returns them.
         joint_names: of all joints in the order of chi.
@@ -122,7 +124,8 @@ def describe(levels: Sequence[Blocked], joint_names: Sequence[str]) -> str:
 
 def _sentence(level: Blocked, joint_names: Sequence[str]) -> str:
     """Return what holds one level back, in words."""
-    missed = f"level {level.level}: {level.task} row {level.row} misses by {level.residual:.3g}"
+    what = f"level {level.level + 1}: {level.task} row {level.row + 1}"
+    missed = f"{what} misses by {level.residual:.3g}"
     if not level.obstacles:
         return f"{missed}: no bound is in the way, its rows cannot all be met"
     words = []
@@ -131,7 +134,7 @@ def _sentence(level: Blocked, joint_names: Sequence[str]) -> str:
         name = (
             f"{where} bound of {joint_names[obstacle.joint]}"
             if obstacle.joint >= 0
-            else f"{obstacle.task} row {obstacle.row} of level {obstacle.level}"
+            else f"{obstacle.task} row {obstacle.row + 1} of level {obstacle.level + 1}"
         )
         words.append(f"{name} ({obstacle.force:.2g})")
     return f"{missed}, held by {', '.join(_shortened(words))}"

@@ -7,12 +7,19 @@ import math
 import numpy as np
 
 from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, Signs
+from lexstack.hqp.problem import HqpProblem, called
 from lexstack.limits.viable_bounds import Bounds
 from lexstack.types import Vector
 
 
-def starting_point(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> tuple[Vector, str]:
-    """Return the point of the bounds next to zero, and why the problem is unusable, if it is."""
+def starting_point(hierarchy: Hierarchy, problem: HqpProblem) -> tuple[Vector, str]:
+    """Return the point of the bounds next to zero, and why the problem is unusable, if it is.
+
+    Args:
+        hierarchy: of the problem's levels.
+        problem: with its bounds.
+    """
+    lower, upper = problem.bounds.lower, problem.bounds.upper
     chi = np.minimum(np.maximum(lower, 0.0), upper)
     ordered = lower <= upper
     if np.count_nonzero(ordered) < chi.size or not math.isfinite(chi.dot(chi)):
@@ -26,11 +33,13 @@ def starting_point(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> tuple[
         slacks = hierarchy.slacks(residual)
         sizes = [slack + level.norm for slack, level in zip(slacks, hierarchy.levels, strict=True)]
         k = next((k for k, size in enumerate(sizes) if not math.isfinite(size)), 0)
-        return chi, f"level {k}: a task holds a number that is not finite, or too large"
+        which = called(k, problem.levels[k])
+        return chi, f"{which}: a task holds a number that is not finite, or too large"
     if not hierarchy.exact:
         for k, level in enumerate(hierarchy.levels):
             if not (level.lower <= level.upper).all():
-                return chi, f"level {k}: a task has a row whose lower end is above its upper end"
+                which = called(k, problem.levels[k])
+                return chi, f"{which}: a task has a row whose lower end is above its upper end"
     return chi, ""
 
 

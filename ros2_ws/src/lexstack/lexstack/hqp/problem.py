@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Protocol
@@ -42,6 +42,8 @@ NEAR = "near a singularity"
 DAMPED = "damped"
 """What it says of those that are not strict."""
 
+_NAMED = 4  # tasks of a level that a line names
+
 
 @dataclass(frozen=True, slots=True)
 class NearSingular:
@@ -63,7 +65,19 @@ class NearSingular:
     def __str__(self) -> str:
         """Return it in words."""
         damped = f", {DAMPED}" if self.rows else ""
-        return f"level {self.level}: {self.tasks} (sigma {self.sigma:.2g}{damped})"
+        return f"level {self.level + 1}: {self.tasks} (sigma {self.sigma:.2g}{damped})"
+
+
+def called(level: int, tasks: Sequence[LinearTask]) -> str:
+    """Return a level as users read it: counted from 1, with the names of its tasks.
+
+    Args:
+        level: index 0 is the highest.
+        tasks: of the level.
+    """
+    names = [task.name for task in tasks[:_NAMED]]
+    more = len(tasks) - len(names)
+    return f"level {level + 1} ({' + '.join(names)}{f' and {more} more' if more else ''})"
 
 
 def near_singularity(near: tuple[NearSingular, ...]) -> str:

@@ -33,8 +33,8 @@ _ENORMOUS = 2.0**17  # its square is the share by which a small band moves a lar
 
 def with_weights(
     hierarchy: Hierarchy, bands: Bands, box: tuple[Vector, Vector], chi: Vector
-) -> tuple[Vector, str]:
-    """Return the optimum of the levels as given, or why it was not found.
+) -> tuple[Vector, int]:
+    """Return the optimum of the levels as given, and -1; or ``chi`` and the level that is not.
 
     Args:
         hierarchy: scaled.
@@ -44,7 +44,7 @@ def with_weights(
     """
     unmet = _unmet(hierarchy, bands, chi)
     if unmet < 0:
-        return chi, ""
+        return chi, -1
     lower, upper = box
     near = max(FEASIBILITY, noise(math.sqrt(chi.dot(chi))))
     joints: Signs = np.zeros(chi.size, dtype=np.int8)
@@ -56,10 +56,10 @@ def with_weights(
     if found is None:
         found = _one_by_one(hierarchy, bands, box, careful)
     if found is not None:
-        return np.minimum(np.maximum(found, lower), upper), ""
+        return np.minimum(np.maximum(found, lower), upper), -1
     if bands.gap() >= _ENORMOUS:
-        return chi, ""
-    return chi, f"level {unmet}: its rows differ too much in size"
+        return chi, -1
+    return chi, unmet
 
 
 def _one_by_one(

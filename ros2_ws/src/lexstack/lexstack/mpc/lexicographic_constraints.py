@@ -89,9 +89,9 @@ class Guard:
         return costs if self._kind == "stage" else np.array([costs.sum()])
 
     def _name(self, entry: int) -> str:
-        """Return an entry of h in words."""
-        where = f"level {self.level} {self.task.objective.name}"
+        """Return an entry of h in words; level, state and row are counted from 1."""
+        where = f"level {self.level + 1} {self.task.objective.name}"
         if self._kind == "axis":
             state, row = divmod(entry, self.task.tolerance.size)
-            return f"{where}, state {state + 1}, row {row}"
+            return f"{where}, state {state + 1}, row {row + 1}"
         return f"{where}, state {entry + 1}" if self._kind == "stage" else f"{where}, sum"

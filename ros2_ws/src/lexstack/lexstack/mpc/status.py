@@ -57,9 +57,9 @@ class LevelStatus:
 
     @property
     def text(self) -> str:
-        """One line for logs and status messages."""
+        """One line for logs and status messages; levels are counted from 1 in it."""
         step = f"alpha {self.steps[-1]:.3g}" if self.steps else "no step"
-        line = f"level {self.level} {self.name}: {self.outcome.value}, {step}"
+        line = f"level {self.level + 1} {self.name}: {self.outcome.value}, {step}"
         if self.qp != "solved":
             line += f", QP {self.qp}"
         return f"{line}, blocked by {self.blocked_by}" if self.blocked_by else line

@@ -25,7 +25,7 @@ from lexstack.types import LinearTask, Vector
 
 _START = Progress()
 _NOTHING = Tally()
-_LITTLE = (0.02, 0.002)  # of the acceleration and the jerk limits
+_LITTLE = (0.007, 0.002)  # of the acceleration and the jerk limits
 _SHORTEST = 0.1  # s
 _PAIR = 1  # a target that reaches A and B at different ticks makes two latches; more are a stream
 _JUMP = 5.0  # of a joint's acceleration limit

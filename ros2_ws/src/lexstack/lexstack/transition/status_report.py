@@ -24,7 +24,7 @@ def with_singularity(state: TransitionState, near: tuple[NearSingular, ...]) -> 
         return state
     mine = tuple([f"{name}/" for name in state.robots])
     tasks = [
-        f"level {entry.level}: {entry.tasks}"
+        f"level {entry.level + 1}: {entry.tasks}"
         for entry in near
         if any(task.startswith(mine) for task in entry.tasks.split(" + "))
     ]
@@ -51,14 +51,16 @@ def told(
     blend, names = channel.blend, channel.part.names
     if blend is None:
         id_, stack, phase, part = channel.id, channel.target.name, Phase.IDLE, plan.alpha
+        origin = channel.origin
         if channel.aborted:
             phase = Phase.ABORTED
         elif coming is not None:
             request, phase = coming
-            id_, stack, part = request.id, request.stack, 0.0
+            # A request leaves the stack in effect, not the one that was left by the last request.
+            id_, origin, stack, part = request.id, stack, request.stack, 0.0
         return TransitionState(
             id_,
-            channel.origin,
+            origin,
             stack,
             Source.NONE,
             "",

@@ -18,7 +18,7 @@ TROUBLE = "not as it should be"
 
 _UNITS = {"mm": "mm", "mrad": "mrad", "s": "s", "us": "µs", "hz": "Hz"}
 _SETUP = ("scenario", "mode", "seed")
-_WORDS = ("parts", "doubts", "gaps", "part")  # no figures
+_WORDS = ("parts", "doubts", "gaps", "part", "singular")  # no figures
 # Figures of which less is better; of the others a difference is only a difference.
 _LESS_IS_BETTER = (
     "error",

@@ -154,7 +154,7 @@ def _chi(run: Run, node: str, team: Team) -> Columns:
         **_joints("chi", chi.chi, team, _VELOCITY),
         **_joints("lower", chi.lower, team, _VELOCITY),
         **_joints("upper", chi.upper, team, _VELOCITY),
-        **{f"slack/level_{k}": chi.slacks[:, k] for k in range(chi.slacks.shape[1])},
+        **{f"slack/level_{k + 1}": chi.slacks[:, k] for k in range(chi.slacks.shape[1])},
         "status": chi.status,
         "empty_bounds": chi.empty_bounds,
         "solve_time [s]": chi.solve_time,
@@ -174,7 +174,8 @@ def _plans(progress: ProgressStream) -> Columns:
         "error [m]": progress.error,
         "error_angle [rad]": progress.error_angle,
         **{
-            f"error/level_{k} [m]": column for k, column in enumerate(np.asarray(progress.errors).T)
+            f"error/level_{k + 1} [m]": column
+            for k, column in enumerate(np.asarray(progress.errors).T)
         },
         "solved": progress.solved,
         "solve_time [s]": progress.solve_time,

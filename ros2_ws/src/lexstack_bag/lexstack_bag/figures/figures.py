@@ -89,6 +89,7 @@ class Metrics:
     parts: tuple[RunPart, ...] = ()  # of the bag; none: it has no reset
     doubts: tuple[str, ...] = ()  # why no goal can be called reached
     gaps: tuple[str, ...] = ()  # what the bag does not have
+    singular: tuple[str, ...] = ()  # near which singularities robots were, as A said, and from when
 
     def to_json(self) -> str:
         """Return the text of ``metrics.json``; it never holds NaN."""
@@ -132,6 +133,7 @@ def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> 
         parts=run.parts,
         doubts=doubts_of(run, whole),
         gaps=gaps_of(whole),
+        singular=_singular(run),
         **asdict(whole),
     )
 
@@ -184,6 +186,17 @@ def _damped(run: Run, ticks: NDArray[np.bool_]) -> float:
     reasons = [str(reason) for reason in run.chi[COMMANDER].reason[ticks]]
     damped = sum(reason.startswith(NEAR) and DAMPED in reason for reason in reasons)
     return damped / len(reasons) if reasons else 0.0
+
+
+def _singular(run: Run) -> tuple[str, ...]:
+    """Return what robot A said of singularities, each thing once with its stack and first time."""
+    told, said = run.transition, dict[str, str]()
+    for stamp, stack, reason in zip(told.stamp, told.to_stack, told.reason, strict=True):
+        at = str(reason).find(NEAR)
+        if at >= 0:
+            what = f"{stack}: {str(reason)[at:]}"
+            said.setdefault(what, f"{what}, from {float(stamp):.2f} s on")
+    return tuple(said.values())
 
 
 def _empty_bounds(run: Run) -> int:

@@ -175,6 +175,7 @@ def summary_lines(metrics: Metrics) -> list[str]:
         for name, phase in zip(names, metrics.phases, strict=True)
     ]
     lines += [f"level held back: {text}" for text in held_back(metrics)]
+    lines += list(metrics.singular)
     lines += _sequence_lines(metrics)
     for key, title in TITLES.items():
         values = [(phase.title, getattr(phase, key)) for phase in metrics.phases]

@@ -112,6 +112,8 @@ def _notes(run: Run, metrics: Metrics) -> list[str]:
         notes.append(f"No goal is called reached: {'; '.join(metrics.doubts)}.")
     if metrics.gaps:
         notes.append(f"Gaps: {'; '.join(metrics.gaps)}. Lines in the plots are broken there.")
+    if metrics.singular:
+        notes.append(f"Robot A told of singularities. {'; '.join(metrics.singular)}.")
     others = other_parts(run)
     if others:
         notes.append(

@@ -63,7 +63,7 @@ class EqualityCascade:
             soft = np.flatnonzero(~level.equal)
             found = self._library(*_level(level, soft, kept, (bounds.lower, bounds.upper)))
             if isinstance(found, str):
-                reason = f"level {k}: {found}"
+                reason = f"level {k + 1}: {found}"
                 break
             chi = found[:n]
             value = level.matrix @ chi

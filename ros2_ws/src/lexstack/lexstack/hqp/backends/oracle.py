@@ -16,7 +16,7 @@ from scipy.optimize import lsq_linear
 
 from lexstack.hqp.hierarchy import Hierarchy
 from lexstack.hqp.preconditions import starting_point, touched
-from lexstack.hqp.problem import HqpProblem, Solution, Status
+from lexstack.hqp.problem import HqpProblem, Solution, Status, called
 from lexstack.limits.viable_bounds import Bounds
 from lexstack.types import LinearTask, Matrix, Vector
 
@@ -64,7 +64,7 @@ class OracleSolver:
         smallest = LinearTask.equality("smallest", np.eye(n), np.zeros(n))
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             hierarchy = Hierarchy(problem.levels, n)
-            chi, reason = starting_point(hierarchy, lower, upper)
+            chi, reason = starting_point(hierarchy, problem)
             if not reason:
                 try:
                     levels = lexicographic_oracle(problem, (smallest,))
@@ -72,7 +72,8 @@ class OracleSolver:
                     levels, reason = [], f"oracle: {error}".splitlines()[0]
                 for k, level in enumerate(levels):
                     if not level.violation < _VIOLATED:
-                        reason = f"level {k}: oracle: {level.violation:.2g} off the levels above"
+                        which = called(k, (*problem.levels, (smallest,))[k])
+                        reason = f"{which}: oracle: {level.violation:.2g} off the levels above"
                         break
                     chi = np.minimum(np.maximum(level.chi, lower), upper)
             slacks = hierarchy.slacks(hierarchy.residual(chi))

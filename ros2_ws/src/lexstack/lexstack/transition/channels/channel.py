@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lexstack.hqp import HqpProblem
+from lexstack.hqp import NEAR, HqpProblem
 from lexstack.references import References
 from lexstack.tasks.stack import Stack, joined
 from lexstack.transition.blend import Blend
 from lexstack.transition.bridge import goes_on
 from lexstack.transition.channel_problem import Means, Plan
 from lexstack.transition.gap_motion import Carry
+from lexstack.transition.held_back import at_velocity_limit, held_back
 from lexstack.transition.latch_state import HURRY, Past
 from lexstack.transition.messages import Source
 from lexstack.transition.methods import BRIDGES
@@ -23,6 +24,7 @@ from lexstack.transition.sources.inbox import Choice, Moment, Sources
 from lexstack.types import LinearTask, Vector
 
 _NEAR = 10.0  # of what a joint follows in one tick: as old as a plan may be, and two ticks more
+_LOOK = 10  # ticks from look to look whether the velocity limits hold the target's levels back
 _SAME = 1e-3  # of what a joint's acceleration limit allows in one tick: no difference that is felt
 
 
@@ -108,6 +110,9 @@ class Channel:
         elif adopts and blend.end is None and blend.over_at(tick + 1, means):
             # Known one tick ahead, so that the source never solves for nothing.
             blend = replace(blend, end=tick + 2)
+        if NEAR not in reason and not (tick - blend.start) % _LOOK:
+            why = _held_back(blend, moment, means)
+            reason = "; ".join(word for word in (reason, why) if word)
         plan = Plan(blend.problem(level, moment, means), blend.source_chi, blend.progress.alpha)
         used, kept = moment.references, (self.part, self.adopted, self.origin, self.id)
         return Channel(*kept, used, blend, reason, self.aborted), plan
@@ -190,6 +195,15 @@ def _followed(
         count = f"; it is loss {tally.losses} of this blend, so B is not followed again"
         choice = replace(choice, why=choice.why + count)
     return choice, replace(blend, tally=tally, alone=alone)
+
+
+def _held_back(blend: Blend, moment: Moment, means: Means) -> str:
+    """Return which level of the target asks for more than the velocity limits allow, or ''."""
+    target, part = blend.way.target, blend.way.part
+    velocity = means.limits.velocity
+    if target.planned or not at_velocity_limit(part, blend.source_chi, velocity):
+        return ""
+    return held_back(part, target.linearise(moment.kinematics, moment.references), velocity)
 
 
 def asked_of(stack: Stack) -> Source:
