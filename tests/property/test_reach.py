@@ -3,19 +3,23 @@
 import numpy as np
 import pytest
 
+from lexstack.control.factory import Parts, build_controller
 from lexstack.hqp import Damper, HqpProblem, make_solver
 from lexstack.limits.viable_bounds import viable_bounds
-from lexstack.references import References
+from lexstack.references import References, Target
 from lexstack.robots import Pose
 from lexstack.tasks.stack import build_stack
 from lexstack_experiments.experiments.reach_cases import (
     KINDS,
+    Case,
     out_of_reach,
+    scenario,
     stack_of,
     straight_up,
     within_reach,
 )
-from lexstack_experiments.experiments.reach_runs import run
+from lexstack_experiments.experiments.reach_runs import LAWS, run
+from lexstack_experiments.ideal import IdealPlant
 from support.scenario import home, resolved, state_at, team
 
 pytestmark = pytest.mark.slow
@@ -134,3 +138,25 @@ def test_levels_that_are_not_told_are_as_strict_as_ever(kind):
         assert all(near.sigma < 0.15 for near in ours.near)
         compared += first
     assert compared > 60
+
+
+@pytest.mark.parametrize("kind", ["base below", "posture", "free position"])
+def test_a_figure_of_eight_within_reach_is_the_same_to_the_bit(kind):
+    start = team().tools(home())[0]
+    case = Case(kind, -1.0, (start,), (home()[:3].copy(),))
+    small = scenario(resolved(), case)
+    runs = []
+    for law in ("undamped", "lexstack"):
+        parts = Parts.of(small)
+        controller = build_controller(small, parts, damper=LAWS[law](parts.team, parts.dt))
+        plant, chi = IdealPlant(small, parts.team), []
+        for tick in range(600):
+            turn = 2.0 * np.pi * tick / 400.0
+            aside = np.array([0.0, 0.2 * np.sin(turn), 0.1 * np.sin(2.0 * turn)])
+            aim = Pose(start.position + aside, start.rotation)
+            controller.references.add(Target(tick * parts.dt, 0, ee=aim))
+            chi.append(controller.tick(plant.state()).chi)
+            plant.step(chi[-1])
+        runs.append(np.array(chi))
+    np.testing.assert_array_equal(*runs)
+    assert np.abs(runs[0]).max() > 0.1
