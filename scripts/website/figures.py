@@ -11,8 +11,11 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
-from lexstack_core.bounds import JointLimits, viable_bounds
+from lexstack_core.bounds import Bounds, JointLimits, viable_bounds
+from lexstack_core.hqp import HqpProblem, make_solver
+from lexstack_core.linear import LinearTask
 from lexstack_core.transition.carry import Carry
 from lexstack_core.transition.profile import alpha
 
@@ -78,6 +81,46 @@ def bridge() -> Figure:
     return _finished(figure)
 
 
+def levels() -> Figure:
+    """Return a problem of two joints and two levels, and its optimum."""
+    end = np.full(2, 0.5)  # rad/s
+    total, wish = 0.8, np.array([0.8, -0.2])  # rad/s
+    first = LinearTask.equality("first", np.ones((1, 2)), np.array([total]))
+    second = LinearTask.equality("second", np.eye(2), wish)
+    problem = HqpProblem(((first,), (second,)), Bounds(-end, end))
+    chi = make_solver().solve(problem, None).chi
+    figure = Figure(figsize=(4.6, 4.2), layout="constrained")
+    axes = figure.subplots()
+    axes.add_patch(Rectangle(-end, 1.0, 1.0, color=BLUE, alpha=0.15, label="the box"))
+    x = np.array([-0.4, 1.0])
+    axes.plot(x, total - x, color=BLUE, label="optima of level 1")
+    axes.plot(*wish, "x", color=ORANGE, ms=9, mew=2, label="target of level 2")
+    axes.plot(*chi, "o", color=GREEN, ms=8, label="optimum χ")
+    axes.plot(*np.array([chi, wish]).T, color=GREY, ls=":")
+    axes.set(xlabel="joint 1 [rad/s]", ylabel="joint 2 [rad/s]", aspect="equal")
+    axes.grid(alpha=0.3)
+    axes.legend(loc="lower left", fontsize=8)
+    return figure
+
+
+def bend() -> Figure:
+    """Return a step along the tangent of the set that level 1 leaves, and a bent one."""
+    steps = np.linspace(0.0, 1.0, 50)
+    angle = np.linspace(-0.2, 1.35, 100)
+    figure = Figure(figsize=(5.4, 3.4), layout="constrained")
+    axes = figure.subplots()
+    circle = np.array([np.sin(angle), np.cos(angle)])
+    axes.plot(*circle, color=GREY, label="inputs that keep the error of level 1")
+    band = np.concatenate((0.96 * circle, 1.04 * circle[:, ::-1]), axis=1)
+    axes.fill(*band, color=GREY, alpha=0.2, label="within δ of it")
+    axes.plot(steps, np.ones(50), color=ORANGE, ls="--", label="straight: u + α d")
+    axes.plot(steps, 1.0 - 0.5 * steps**2, color=BLUE, label="bent: u + α d + α² b")
+    axes.plot(0.0, 1.0, "o", color=BLUE)
+    axes.set(xticks=[], yticks=[], aspect="equal")
+    axes.legend(loc="lower left", fontsize=8)
+    return figure
+
+
 def _figure(rows: int) -> tuple[Figure, list]:
     """Return a figure with plots above each other that share the time."""
     figure = Figure(figsize=(7.0, 2.2 * rows), layout="constrained")
@@ -96,8 +139,14 @@ def _finished(figure: Figure) -> Figure:
 def main() -> None:
     """Write all figures."""
     mpl.use("agg")
+    drawn = {
+        "viable-box": viable_box(),
+        "bridge": bridge(),
+        "levels": levels(),
+        "bend": bend(),
+    }
     FOLDER.mkdir(parents=True, exist_ok=True)
-    for name, figure in {"viable-box": viable_box(), "bridge": bridge()}.items():
+    for name, figure in drawn.items():
         figure.savefig(FOLDER / f"{name}.png", dpi=110, metadata={"Software": None})
 
 
