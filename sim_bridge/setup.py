@@ -7,7 +7,7 @@ PACKAGE = "lexstack_sim"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Simulated plant of lexstack: MuJoCo, joint impedance control, the bridge node.",
+    description="Simulated robots of lexstack: MuJoCo, joint impedance control, pictures.",
     license="Apache-2.0",
     maintainer="The lexstack authors",
     maintainer_email="lexstack@users.noreply.github.com",
@@ -20,15 +20,10 @@ setup(
     ],
     install_requires=[
         "coal",
-        "lexstack-core",
+        "lexstack",
         "mujoco>=4.0",
         "numpy>=2",
         "pin>=4.1",
     ],
-    entry_points={
-        "console_scripts": [
-            "sim_bridge = lexstack_sim.node:main",
-        ],
-    },
     zip_safe=False,
 )

@@ -50,7 +50,7 @@ def sequences(path: Path) -> None:
 def live() -> None:
     """Run the demo with its live page, and take a picture of it within a blend."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "lexstack_ros.commands.demo", "--view"]
+        command = [sys.executable, "-m", "lexstack_bringup.commands.demo", "--view"]
         run = subprocess.Popen(
             [*command, "--out", f"{folder}/run"], stdout=subprocess.PIPE, text=True, cwd=ROOT
         )

@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-from lexstack_ros.shared_memory import remove_abandoned
+from lexstack_bringup.shared_memory import remove_abandoned
 from support.browser import find_browser
 from support.leftovers import our_processes, what_is_left
 

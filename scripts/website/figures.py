@@ -13,11 +13,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from lexstack_core.bounds import Bounds, JointLimits, viable_bounds
-from lexstack_core.hqp import HqpProblem, make_solver
-from lexstack_core.linear import LinearTask
-from lexstack_core.transition.carry import Carry
-from lexstack_core.transition.profile import alpha
+from lexstack.hqp import HqpProblem, make_solver
+from lexstack.limits.viable_bounds import Bounds, JointLimits, viable_bounds
+from lexstack.transition.gap_motion import Carry
+from lexstack.transition.profiles import alpha
+from lexstack.types import LinearTask
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "images" / "equations"
 DT = 0.01  # s

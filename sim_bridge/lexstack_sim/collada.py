@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lexstack_core.errors import ModelError
-from lexstack_core.linear import Matrix
+from lexstack.errors import ModelError
+from lexstack.types import Matrix
 from lexstack_sim.meshes import Mesh
 
 Color = tuple[float, ...]

@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from lexstack_core.errors import ModelError
-from lexstack_core.model import RobotModel
+from lexstack.errors import ModelError
+from lexstack.robots import RobotModel
 from lexstack_sim.meshes import arm_shapes
 
 APART = 4

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from lexstack_core.linear import Vector
-from lexstack_core.model import Team
-from lexstack_core.model.description import BASE_JOINTS
-from lexstack_core.model.robot import ARM
+from lexstack.robots import Team
+from lexstack.robots.assembly import BASE_JOINTS
+from lexstack.robots.robot import ARM
+from lexstack.types import Vector
 
 
 class ImpedanceLoop:

@@ -12,9 +12,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from lexstack_core.linear import Matrix, Vector
-from lexstack_core.model import RobotModel
-from lexstack_core.model.description import description_path
+from lexstack.robots import RobotModel
+from lexstack.robots.assembly import description_path
+from lexstack.types import Matrix, Vector
 
 
 @dataclass(frozen=True, slots=True)

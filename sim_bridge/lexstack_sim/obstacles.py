@@ -7,8 +7,8 @@ import itertools
 import mujoco
 import numpy as np
 
-from lexstack_core.linear import Matrix, Vector
-from lexstack_core.model import Obstacles
+from lexstack.robots import Obstacles
+from lexstack.types import Matrix, Vector
 from lexstack_sim.contacts import OBSTACLE
 
 _GROUP = 1  # of geoms that are visible

@@ -7,17 +7,17 @@ import copy
 import mujoco
 import numpy as np
 
-from lexstack_core.config.plant import PushConfig
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.errors import ConfigurationError, InputError
-from lexstack_core.linear import Vector
-from lexstack_core.model import Team
-from lexstack_core.state import RobotState
-from lexstack_sim.burden import add_burden
+from lexstack.config.plant import PushConfig
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.errors import ConfigurationError, InputError
+from lexstack.robots import Team
+from lexstack.state import RobotState
+from lexstack.types import Vector
 from lexstack_sim.contacts import touching
 from lexstack_sim.impedance import ImpedanceLoop, per_joint
-from lexstack_sim.memory import Counters, Memory, PlantError, Snapshot, Status
-from lexstack_sim.senses import Senses
+from lexstack_sim.payload_friction import add_burden
+from lexstack_sim.plant_state import Counters, Memory, PlantError, Snapshot, Status
+from lexstack_sim.sensors import Senses
 from lexstack_sim.world import PHYSICS_PERIOD, build_world
 from lexstack_sim.wrench import Wrench, apply_wrenches, wrench_on
 

@@ -14,10 +14,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.errors import LexstackError
-from lexstack_core.linear import Vector
-from lexstack_core.model import Pose, Team
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.errors import LexstackError
+from lexstack.robots import Pose, Team
+from lexstack.types import Vector
 from lexstack_sim.world import build_world
 
 _SPHERE, _CAPSULE = mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE

@@ -14,8 +14,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_core.linear import Vector
-from lexstack_core.model import Team
+from lexstack.robots import Team
+from lexstack.types import Vector
 from lexstack_sim.collada import clustered
 from lexstack_sim.meshes import Mesh
 from lexstack_sim.world import build_world

@@ -10,12 +10,12 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from lexstack_core.errors import ModelError
-from lexstack_core.linear import Vector
-from lexstack_core.model import RobotModel, Team
+from lexstack.errors import ModelError
+from lexstack.robots import RobotModel, Team
+from lexstack.types import Vector
 from lexstack_sim.contacts import add_contacts, add_self_contacts
-from lexstack_sim.looks import add_looks, add_scene
 from lexstack_sim.obstacles import add_obstacles
+from lexstack_sim.visuals import add_looks, add_scene
 
 PHYSICS_PERIOD = 0.001
 """Length of a physics step [s]: T(40) runs at 1 kHz."""

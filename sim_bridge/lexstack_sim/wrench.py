@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from lexstack_core.config.checks import shown
-from lexstack_core.errors import InputError
-from lexstack_core.linear import Vector
-from lexstack_core.model import RobotModel
+from lexstack.config.checks import shown
+from lexstack.errors import InputError
+from lexstack.robots import RobotModel
+from lexstack.types import Vector
 from lexstack_sim.world import body_name
 
 _STRONGEST = 1e4  # N, N m: more throws 150 kg out of the world

@@ -17,14 +17,14 @@ from functools import cache
 import pytest
 import yaml
 
-from lexstack_core.config.reader import build, parse_yaml
-from lexstack_core.config.scenario import ObstacleConfig, ScenarioConfig
-from lexstack_core.config.stack import StackConfig
+from lexstack.config.reader import build, parse_yaml
+from lexstack.config.scenario import ObstacleConfig, ScenarioConfig
+from lexstack.config.stack import StackConfig
+from lexstack_bringup.hosts import SERVER, load_hosts
+from lexstack_bringup.player import PLAYER
+from lexstack_bringup.processes import NODES, PLANNERS
 from lexstack_experiments.benches import BENCHES
 from lexstack_experiments.experiments import EXPERIMENTS
-from lexstack_ros.bringup import NODES, PLANNERS
-from lexstack_ros.hosts import SERVER, load_hosts
-from lexstack_ros.player import PLAYER
 from support.code_blocks import HEREDOC, ROOT, Block, all_blocks, blocks_of, lines_of
 
 BLOCKS = all_blocks()

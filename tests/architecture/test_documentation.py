@@ -10,17 +10,17 @@ from pathlib import Path
 
 import pytest
 
-from lexstack_core.config.plant import PlantConfig, PushConfig
-from lexstack_core.config.scenario import EventConfig, ScenarioConfig, TransitionConfig
-from lexstack_core.config.stream import StreamConfig
+from lexstack.config.plant import PlantConfig, PushConfig
+from lexstack.config.scenario import EventConfig, ScenarioConfig, TransitionConfig
+from lexstack.config.stream import StreamConfig
 
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
 BY_HAND = ROOT / "docs/ros-by-hand.md"
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
-SOURCES = ("ros2_ws/src/*/lexstack_*", "sim_bridge/lexstack_sim", "scripts", "tests")
+SOURCES = ("ros2_ws/src/*/lexstack*", "sim_bridge/lexstack_sim", "scripts", "tests")
 # Where a path in a document may begin, beside the root and the document's own folder.
-BASES = ("ros2_ws/src/*", "ros2_ws/src/*/lexstack_*", "sim_bridge")
+BASES = ("ros2_ws/src/*", "ros2_ws/src/*/lexstack*", "sim_bridge")
 
 # What a run leaves; the documents name it, no clone has it.
 RUN_FILES = {
@@ -112,8 +112,14 @@ def source_folders():
 @cache
 def packages():
     """Return the text of all modules of the packages, without the tests."""
-    files = [file for folder in source_folders()[:-2] for file in folder.rglob("*.py")]
-    return "\n".join(map(text_of, files))
+    return "\n".join(modules())
+
+
+@cache
+def modules():
+    """Return the texts of all modules of the packages, without the tests."""
+    files = [file for folder in source_folders()[:-2] for file in sorted(folder.rglob("*.py"))]
+    return [text_of(file) for file in files]
 
 
 def anchors(text):
@@ -147,14 +153,17 @@ def endpoints():
         r"(?:create_(?:publisher|subscription|service)\(|Server\(\s*self,)"  # or of an action
         r"\s*(\w+),\s*(?:f?\"([^\"]+)\"|(\w+))"
     )
-    code, found = packages(), {}
-    for type_, literal, variable in pattern.findall(code):
+    found = {}
+    calls = [(module, call) for module in modules() for call in pattern.findall(module)]
+    for code, (type_, literal, variable) in calls:
         # A type that may not be installed is imported by name.
         optional = re.search(rf"\b{type_} = importlib\.\S+\.(\w+)$", code, re.MULTILINE)
         kind = optional.group(1) if optional else type_
-        values = [literal] if literal else re.findall(rf"\b{variable} = f?\"(/[^\"]+)\"", code)
+        defined = re.compile(rf"\b{variable} = f?\"(/[^\"]+)\"")
+        where = packages() if variable.isupper() else code  # constants may be another module's
+        values = [literal] if literal else defined.findall(where)
         found |= {name.replace("~", "/sim_bridge"): kind for name in values if "/" in name}
-    kinds = re.search(r"_KINDS = \{([^}]+)\}", code).group(1)
+    kinds = re.search(r"_KINDS = \{([^}]+)\}", packages()).group(1)
     for name in [name for name in found if name.endswith("/{kind}")]:
         kind = found.pop(name)
         found |= {name.replace("{kind}", k): kind for k in re.findall(r"\"(\w+)\":", kinds)}
@@ -308,14 +317,14 @@ def test_what_is_no_leak_is_left_alone(text):
 
 
 @pytest.mark.parametrize(
-    "path", ["config/stacks/none.yaml", "lexstack_core/nothing.py", "nowhere/", "./scripts/dance"]
+    "path", ["config/stacks/none.yaml", "lexstack/nothing.py", "nowhere/", "./scripts/dance"]
 )
 def test_a_wrong_path_is_seen(path):
     assert path in named_paths(f"text `{path}` text")
     assert not exists(path, README)
 
 
-@pytest.mark.parametrize("path", ["config/robots/NAME.yaml", "lexstack_core/hqp/", "plant.py"])
+@pytest.mark.parametrize("path", ["config/robots/NAME.yaml", "lexstack/hqp/", "plant.py"])
 def test_a_right_path_is_found(path):
     assert path in named_paths(f"text `{path}` text")
     assert exists(path, README)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from lexstack_core.errors import ConfigurationError
+from lexstack.errors import ConfigurationError
 from lexstack_experiments.benches import BENCHES
 from lexstack_experiments.commands import documents
 from lexstack_experiments.documents.fields import fields_of

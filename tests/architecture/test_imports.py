@@ -9,7 +9,16 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = ["lexstack_bag", "lexstack_core", "lexstack_experiments", "lexstack_ros", "lexstack_sim"]
+PACKAGES = [
+    "lexstack",
+    "lexstack_bag",
+    "lexstack_bringup",
+    "lexstack_experiments",
+    "lexstack_plant",
+    "lexstack_ros",
+    "lexstack_sim",
+    "lexstack_testing",
+]
 
 
 @pytest.fixture(scope="module")
@@ -43,16 +52,18 @@ def test_all_contracts_are_kept(sources):
 @pytest.mark.parametrize(
     ("module", "statement", "contract"),
     [
-        ("lexstack_core/state.py", "import mujoco", "The core knows no ROS"),
-        ("lexstack_core/state.py", "import rclpy", "The core knows no ROS"),
-        ("lexstack_core/state.py", "from std_msgs.msg import Header", "The core knows no ROS"),
-        ("lexstack_core/state.py", "import lexstack_interfaces", "The core knows no ROS"),
-        ("lexstack_core/state.py", "import lexstack_sim", "The core knows no ROS"),
-        ("lexstack_core/errors.py", "import lexstack_core.controller", "Inside the core"),
-        ("lexstack_sim/plant.py", "import rclpy", "Bag, plant and experiments"),
-        ("lexstack_sim/plant.py", "import lexstack_sim.node", "The plant does not know"),
-        ("lexstack_experiments/__init__.py", "import rclpy", "Bag, plant and experiments"),
-        ("lexstack_bag/__init__.py", "import rclpy", "Bag, plant and experiments"),
+        ("lexstack/state.py", "import mujoco", "The library knows no ROS"),
+        ("lexstack/state.py", "import rclpy", "The library knows no ROS"),
+        ("lexstack/state.py", "from std_msgs.msg import Header", "The library knows no ROS"),
+        ("lexstack/state.py", "import lexstack_interfaces", "The library knows no ROS"),
+        ("lexstack/state.py", "import lexstack_sim", "The library knows no ROS"),
+        ("lexstack/errors.py", "import lexstack.control.controller", "Inside the library"),
+        ("lexstack_sim/plant.py", "import rclpy", "Bag, simulation and experiments"),
+        ("lexstack_sim/plant.py", "import lexstack_plant", "Between the packages"),
+        ("lexstack_ros/__init__.py", "import lexstack_bringup", "Between the packages"),
+        ("lexstack_bringup/__init__.py", "import lexstack_testing", "Between the packages"),
+        ("lexstack_experiments/__init__.py", "import rclpy", "Bag, simulation and experiments"),
+        ("lexstack_bag/__init__.py", "import rclpy", "Bag, simulation and experiments"),
         ("lexstack_bag/__init__.py", "import lexstack_ros", "Between the packages"),
     ],
 )

@@ -114,7 +114,7 @@ def test_nothing_that_a_machine_made_goes_into_the_image_and_all_that_is_ours_do
     made = (
         ".git/config", ".venv/bin/python", "build/setup.log", "ros2_ws/build/x/y",
         "ros2_ws/install/setup.bash", "ros2_ws/log/latest", "sim_bridge/build/lib/a.py",
-        "ros2_ws/src/lexstack_core/build/lib/a.py", "ros2_ws/src/lexstack_ros/log/x",
+        "ros2_ws/src/lexstack/build/lib/a.py", "ros2_ws/src/lexstack_ros/log/x",
         "sim_bridge/lexstack_sim.egg-info/PKG-INFO", "runs/one/bag/a.mcap", "MUJOCO_LOG.TXT",
         "tests/unit/MUJOCO_LOG.TXT", "tests/__pycache__/a.pyc", ".ruff_cache/x", ".hypothesis/x",
         "setup.log", "tests/.pytest_cache/x", "docs/logs/a",
@@ -123,7 +123,7 @@ def test_nothing_that_a_machine_made_goes_into_the_image_and_all_that_is_ours_do
     done = subprocess.run(
         ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False
     )
-    ours = done.stdout.splitlines() or ["README.md", "ros2_ws/src/lexstack_core/setup.py"]
+    ours = done.stdout.splitlines() or ["README.md", "ros2_ws/src/lexstack/setup.py"]
     assert [path for path in ours if ignored(path)] == []
 
 

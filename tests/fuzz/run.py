@@ -62,7 +62,7 @@ def guided_run(part: str, runs: int, seed: int) -> None:
     """Let atheris choose the inputs; it ends the process."""
     import atheris
 
-    with atheris.instrument_imports(include=["lexstack_core", "lexstack_ros", "yaml"]):
+    with atheris.instrument_imports(include=["lexstack", "lexstack_ros", "yaml"]):
         module = load(part)
     corpus = Path(tempfile.mkdtemp(prefix="lexstack-fuzz-"))
     for number, data in enumerate(module.seeds()):

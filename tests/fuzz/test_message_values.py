@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import String
 
-from lexstack_core.errors import InputError
-from lexstack_core.state import RobotState
+from lexstack.errors import InputError
+from lexstack.state import RobotState
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest
 from lexstack_interfaces.srv import ApplyWrench, SwitchStack
-from lexstack_ros import conversions
+from lexstack_ros.messages import conversions
 from support import fuzz_messages
 from support.scenario import home, state_at, team
 

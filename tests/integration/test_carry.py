@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from lexstack_core.build import build_references
-from lexstack_core.config.resolved import load_scenario
-from lexstack_core.tasks.ee_pose import pose_error
-from lexstack_core.tasks.relative_pose import other_end
-from lexstack_core.transition.status import Phase
+from lexstack.config.resolved import load_scenario
+from lexstack.control.factory import build_references
+from lexstack.tasks.frame_pose import pose_error
+from lexstack.tasks.relative_pose import other_end
+from lexstack.transition.messages import Phase
 from lexstack_experiments.loop import Loop, targets_of
 from lexstack_experiments.runs import Measured
 from support.scenario import CONFIG

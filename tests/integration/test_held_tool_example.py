@@ -6,10 +6,10 @@ import re
 import numpy as np
 import pytest
 
-from lexstack_core.config.reader import build
-from lexstack_core.config.resolved import load_scenario
-from lexstack_core.config.scenario import EventConfig
-from lexstack_core.config.sequence import SequenceConfig
+from lexstack.config.reader import build
+from lexstack.config.resolved import load_scenario
+from lexstack.config.scenario import EventConfig
+from lexstack.config.sequence import SequenceConfig
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.planned_loop import PlannedLoop
 from support.scenario import CONFIG, ROOT

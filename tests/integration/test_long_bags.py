@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from lexstack_bag.container import find_files
+from lexstack_bag.storage.container import find_files
 from lexstack_experiments.synthetic import write_bag
 from support.scenario import resolved
 
@@ -20,8 +20,8 @@ TICKS = 60 * 100  # a minute
 MEASURE = """
 import resource, sys
 from pathlib import Path
-from lexstack_bag.measures import measure
-from lexstack_bag.reader import read_run
+from lexstack_bag.figures.series import measure
+from lexstack_bag.run.reader import read_run
 run = read_run(Path(sys.argv[1]))
 measure(run)
 print(len(run.plant.tick), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)

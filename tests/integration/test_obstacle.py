@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lexstack_core.config.resolved import load_scenario
-from lexstack_core.config.scenario import EventConfig
-from lexstack_core.transition.status import Phase
+from lexstack.config.resolved import load_scenario
+from lexstack.config.scenario import EventConfig
+from lexstack.transition.messages import Phase
 from lexstack_experiments.loop import Loop
 from lexstack_sim.obstacles import Clearance
 from support.scenario import CONFIG

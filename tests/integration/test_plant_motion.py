@@ -7,10 +7,10 @@ from collections import deque
 import numpy as np
 import pytest
 
-from lexstack_core.errors import ConfigurationError, InputError
+from lexstack.errors import ConfigurationError, InputError
 from lexstack_sim import wrench
-from lexstack_sim.memory import Counters, PlantError, Status
 from lexstack_sim.plant import Plant
+from lexstack_sim.plant_state import Counters, PlantError, Status
 from support.plants import make_plant, sine
 from support.scenario import changed, team
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lexstack_sim.memory import Status
+from lexstack_sim.plant_state import Status
 from support.plants import make_plant
 
 WATCHDOG = 10  # ticks at 100 Hz

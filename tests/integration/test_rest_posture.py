@@ -6,10 +6,10 @@ import itertools
 import numpy as np
 import pytest
 
-from lexstack_core.config.resolved import load_robot
-from lexstack_core.config.scenario import EventConfig
-from lexstack_core.errors import ConfigurationError
-from lexstack_core.model import RobotModel, Team
+from lexstack.config.resolved import load_robot
+from lexstack.config.scenario import EventConfig
+from lexstack.errors import ConfigurationError
+from lexstack.robots import RobotModel, Team
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from support.scenario import CONFIG, changed

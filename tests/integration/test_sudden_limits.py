@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from lexstack_bag.limits import limits_in_force
-from lexstack_bag.measures import COMMANDER
-from lexstack_core.bounds import JointLimits
-from lexstack_core.lateness import Motion
+from lexstack.limits.limit_timing import Motion
+from lexstack.limits.viable_bounds import JointLimits
+from lexstack_bag.figures.limits import limits_in_force
+from lexstack_bag.figures.series import COMMANDER
 from lexstack_experiments.experiments.sudden_limits_cases import cases, laws
 from lexstack_experiments.experiments.sudden_limits_least import least_ticks
 from lexstack_experiments.experiments.sudden_limits_runs import Play, never_switched

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.bounds import JointLimits, target_bounds, viable_bounds
-from lexstack_core.limits import LimitBlend, Motion
+from lexstack.limits.limit_transition import LimitBlend, Motion
+from lexstack.limits.viable_bounds import JointLimits, target_bounds, viable_bounds
 
 N = 20
 OUTSIDE = 1e-9
@@ -201,11 +201,11 @@ def test_the_tests_above_can_fail(fault, monkeypatch):
         monkeypatch.setattr(LimitBlend, "at", lambda self, tick: self.new)
     elif fault == "released too soon":
         monkeypatch.setattr(
-            "lexstack_core.lateness._time_to_cross", lambda room, v, *_: np.full_like(v, 0.01)
+            "lexstack.limits.limit_timing._time_to_cross", lambda room, v, *_: np.full_like(v, 0.01)
         )
     else:
         test = test_a_joint_that_can_stop_with_the_old_acceleration_never_leaves_the_new_limits
-        monkeypatch.setattr("lexstack_core.limits._eased", lambda old, new, fast: new)
+        monkeypatch.setattr("lexstack.limits.limit_transition._eased", lambda old, new, fast: new)
     args = (False,) if fault == "new acceleration" else ()
     with pytest.raises(AssertionError):
         [test.hypothesis.inner_test(seed, 0.01, *args) for seed in range(5)]

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.bounds import JointLimits, is_viable
-from lexstack_core.in_force import LimitOptions, LimitsInForce
-from lexstack_core.state import RobotState
+from lexstack.limits.limits_in_force import LimitOptions, LimitsInForce
+from lexstack.limits.viable_bounds import JointLimits, is_viable
+from lexstack.state import RobotState
 
 N = 20
 TICKS = 150
@@ -113,7 +113,7 @@ def test_any_limits_at_any_time_leave_a_choice_within_the_acceleration(seed, dt)
 def test_the_tests_above_can_fail(fault, monkeypatch):
     if fault == "no wait":
         monkeypatch.setattr(
-            "lexstack_core.in_force.is_viable", lambda q, *_: np.ones(q.size, dtype=bool)
+            "lexstack.limits.limits_in_force.is_viable", lambda q, *_: np.ones(q.size, dtype=bool)
         )
         tests = (
             test_whenever_jerk_is_limited_all_other_limits_are_kept,

@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from lexstack_core import braking
-from lexstack_core.bounds import JointLimits, approach_speed, is_viable, viable_bounds
-from lexstack_core.jerk import JerkLaw
+from lexstack.limits import stopping
+from lexstack.limits.jerk_bounds import JerkLaw
+from lexstack.limits.viable_bounds import JointLimits, approach_speed, is_viable, viable_bounds
 
 N = 20
 OUTSIDE = 1e-9
@@ -293,7 +293,7 @@ def faulty(fault, monkeypatch):
     made = JerkLaw.__init__
     if fault == "no look-ahead":
         monkeypatch.setattr(
-            "lexstack_core.jerk.look_ahead", lambda room, v, used, least, largest: largest
+            "lexstack.limits.jerk_bounds.look_ahead", lambda room, v, used, least, largest: largest
         )
     elif fault == "jerk twice as large":
         monkeypatch.setattr(
@@ -307,9 +307,9 @@ def faulty(fault, monkeypatch):
 
         monkeypatch.setattr(JerkLaw, "__init__", greedy)
     else:
-        goes = braking._goes
+        goes = stopping._goes
         monkeypatch.setattr(
-            "lexstack_core.braking._goes", lambda v, a, w: (goes(v, a, w)[0] - 1.0, 1.0)
+            "lexstack.limits.stopping._goes", lambda v, a, w: (goes(v, a, w)[0] - 1.0, 1.0)
         )
 
 

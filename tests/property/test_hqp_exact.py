@@ -7,11 +7,11 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.hqp import make_solver
-from lexstack_core.hqp.daqp_cascade import DaqpCascade
-from lexstack_core.hqp.proxqp_cascade import ProxqpCascade
-from lexstack_core.hqp.quadprog_cascade import QuadprogCascade
+from lexstack.hqp import make_solver
+from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.hqp.backends.proxqp import ProxqpCascade
+from lexstack.hqp.backends.quadprog import QuadprogCascade
+from lexstack.limits.viable_bounds import Bounds
 from support.exact import exact_optimum, exact_slacks
 from support.integers import SCALES, integer_problem, shape
 

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.build import Parts, build_controller
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.config.stack import JointLimitConfig
-from lexstack_core.in_force import LimitOptions, LimitsInForce
+from lexstack.config.scenario import TransitionConfig
+from lexstack.config.stack import JointLimitConfig
+from lexstack.control.factory import Parts, build_controller
+from lexstack.limits.limits_in_force import LimitOptions, LimitsInForce
 from lexstack_experiments.experiments.sudden_limits_runs import Watched
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
@@ -162,7 +162,7 @@ def test_the_tests_above_can_fail(fault, monkeypatch):
     }
     if fault == "new limits at once":
         monkeypatch.setattr(
-            "lexstack_core.in_force.viable_bounds",
+            "lexstack.limits.limits_in_force.viable_bounds",
             lambda q, limits, dt, v, *_: loop_box(q, limits, dt, v),
         )
         test = test_feasible_and_within_the_limits_in_force_at_every_tick

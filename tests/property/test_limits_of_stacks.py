@@ -7,10 +7,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.config.resolved import load_scenario
-from lexstack_core.errors import ModelError
-from lexstack_core.stack import joined
-from lexstack_core.transition.status import Phase
+from lexstack.config.resolved import load_scenario
+from lexstack.errors import ModelError
+from lexstack.tasks.stack import joined
+from lexstack.transition.messages import Phase
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from support.channels import ROBOTS, parts

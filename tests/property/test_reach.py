@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import viable_bounds
-from lexstack_core.hqp import Damper, HqpProblem, make_solver
-from lexstack_core.model import Pose
-from lexstack_core.references import References
-from lexstack_core.stack import build_stack
+from lexstack.hqp import Damper, HqpProblem, make_solver
+from lexstack.limits.viable_bounds import viable_bounds
+from lexstack.references import References
+from lexstack.robots import Pose
+from lexstack.tasks.stack import build_stack
 from lexstack_experiments.experiments.reach_cases import Case, out_of_reach, stack_of, within_reach
 from lexstack_experiments.experiments.reach_runs import run
 from support.scenario import home, resolved, state_at, team

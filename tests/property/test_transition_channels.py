@@ -5,9 +5,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.references import Target
-from lexstack_core.transition.status import Phase, Source
+from lexstack.config.scenario import TransitionConfig
+from lexstack.references import Target
+from lexstack.transition.messages import Phase, Source
 from support.channels import BASES, ROBOTS, chi_of, loop, silent_for, state_of
 from support.scenario import home, team
 

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.bounds import is_viable
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.in_force import LimitsInForce
-from lexstack_core.transition.status import Source
+from lexstack.config.scenario import TransitionConfig
+from lexstack.limits.limits_in_force import LimitsInForce
+from lexstack.limits.viable_bounds import is_viable
+from lexstack.transition.messages import Source
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from support.scenario import changed, home, team

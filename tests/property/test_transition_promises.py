@@ -11,9 +11,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from lexstack_core.bounds import viable_bounds
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.hqp import HqpProblem
+from lexstack.config.scenario import TransitionConfig
+from lexstack.hqp import HqpProblem
+from lexstack.limits.viable_bounds import viable_bounds
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.links import Delayed
 from lexstack_experiments.loop import Loop
@@ -172,13 +172,13 @@ def test_the_tests_above_can_fail(fault, monkeypatch):
     }
     if fault == "acceleration":
         monkeypatch.setattr(
-            "lexstack_core.in_force.viable_bounds",
+            "lexstack.limits.limits_in_force.viable_bounds",
             lambda q, limits, dt, applied, *_: viable_bounds(q, limits, 1e3 * dt, applied),
         )
         test = test_feasible_and_within_acceleration_limits_at_every_tick
     else:
         monkeypatch.setattr(
-            "lexstack_core.transition.methods.bridging.HqpProblem",
+            "lexstack.transition.methods.bridging.HqpProblem",
             lambda levels, bounds: HqpProblem(levels[::-1], bounds),
         )
         test = test_level_1_is_as_good_as_the_oracle_makes_it

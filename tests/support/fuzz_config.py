@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from lexstack_core.config.htmpc import HtmpcConfig
-from lexstack_core.config.reader import build, parse_yaml
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.config.robot import RobotConfig
-from lexstack_core.config.scenario import ScenarioConfig
-from lexstack_core.config.stack import StackConfig
-from lexstack_core.errors import ConfigurationError
-from lexstack_ros.hosts import HostsConfig
+from lexstack.config.htmpc import HtmpcConfig
+from lexstack.config.reader import build, parse_yaml
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.config.robot import RobotConfig
+from lexstack.config.scenario import ScenarioConfig
+from lexstack.config.stack import StackConfig
+from lexstack.errors import ConfigurationError
+from lexstack_bringup.hosts import HostsConfig
 from support.scenario import CONFIG, resolved
 
 KINDS = {

@@ -12,15 +12,15 @@ from geometry_msgs.msg import PoseStamped
 from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import String
 
-from lexstack_core.controller import Controller
-from lexstack_core.errors import LexstackError
-from lexstack_core.state import RobotState
+from lexstack.control.controller import Controller
+from lexstack.errors import LexstackError
+from lexstack.state import RobotState
 from lexstack_experiments.loop import Loop
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest
 from lexstack_interfaces.srv import ApplyWrench, SwitchStack
-from lexstack_ros import conversions
-from lexstack_ros.senders import SoleSender
-from lexstack_ros.sequence import TickOrder
+from lexstack_ros.intake.tick_order import TickOrder
+from lexstack_ros.messages import conversions
+from lexstack_ros.node.sole_sender import SoleSender
 from support.fuzz_config import check_short
 from support.plants import make_plant
 from support.scenario import home, resolved, team

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from lexstack_core.config.htmpc import HtmpcConfig, load_htmpc
-from lexstack_core.config.resolved import load_robot
-from lexstack_core.htmpc import Htmpc, Objective, Start
-from lexstack_core.model import RobotModel
+from lexstack.config.htmpc import HtmpcConfig, load_htmpc
+from lexstack.config.resolved import load_robot
+from lexstack.mpc import Htmpc, Objective, Start
+from lexstack.robots import RobotModel
 from support.scenario import CONFIG
 
 ROBOTS = ("ur10_ridgeback", "panda_summit")

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.hqp import HqpProblem
-from lexstack_core.linear import LinearTask
+from lexstack.hqp import HqpProblem
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import LinearTask
 
 SCALES = ("one", "levels", "rows", "weights", "dense")
 

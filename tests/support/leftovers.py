@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from lexstack_ros.shared_memory import FOLDER, abandoned
+from lexstack_bringup.shared_memory import FOLDER, abandoned
 
 _OURS = (b"lexstack_ros.", b"lexstack_sim.", b"lexstack_bag.", b"lexstack_experiments.")
 _PATIENCE = 10.0  # s, in which what is ending ends

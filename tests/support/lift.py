@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from lexstack_core.config.resolved import ResolvedScenario, load_robot
-from lexstack_core.config.robot import FrameConfig
-from lexstack_core.model import Team
+from lexstack.config.resolved import ResolvedScenario, load_robot
+from lexstack.config.robot import FrameConfig
+from lexstack.robots import Team
 from support.scenario import CONFIG, resolved
 
 _DESCRIPTION = "lift.urdf"
@@ -45,7 +45,7 @@ def lift_scenario(patch: pytest.MonkeyPatch, folder: Path) -> ResolvedScenario:
     file = folder / "share" / "robots" / "lift" / "urdf" / "lift.urdf"  # as deep as a package's
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(urdf(), encoding="utf-8")
-    for module in ("lexstack_core.model.description", "lexstack_sim.meshes", "lexstack_sim.urdf"):
+    for module in ("lexstack.robots.assembly", "lexstack_sim.meshes", "lexstack_sim.urdf"):
         plain = importlib.import_module(module).description_path
         patch.setattr(
             f"{module}.description_path",

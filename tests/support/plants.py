@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lexstack_core.linear import Vector
+from lexstack.types import Vector
 from lexstack_sim.plant import Plant
 from support.scenario import changed, resolved, team
 

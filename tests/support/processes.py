@@ -15,12 +15,12 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 from rosbags.highlevel import AnyReader
 
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_ros.bringup import bring_up, nodes_of
-from lexstack_ros.domain import own_domain
-from lexstack_ros.player import PLAYER, Player
-from lexstack_ros.readiness import is_connected
-from lexstack_ros.supervisor import Supervisor
+from lexstack.config.resolved import ResolvedScenario
+from lexstack_bringup.domain import own_domain
+from lexstack_bringup.player import PLAYER, Player
+from lexstack_bringup.processes import bring_up, nodes_of
+from lexstack_bringup.supervisor import Supervisor
+from lexstack_ros.node.readiness import is_connected
 from support.scenario import SCENARIO, changed
 
 

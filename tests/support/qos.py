@@ -15,8 +15,8 @@ from support.scenario import ROOT
 Qos = tuple[str, str, int]
 """Reliability, durability, depth."""
 
-_SOURCES = (ROOT / "ros2_ws/src/lexstack_ros/lexstack_ros", ROOT / "sim_bridge/lexstack_sim")
-_USERS = ("faults/", "view/", "load.py", "bag_player.py", "player.py")  # no nodes of a run
+_SOURCES = [ROOT / "ros2_ws/src" / name / name for name in ("lexstack_ros", "lexstack_plant")]
+_USERS = ("view/",)  # no node of a run
 
 
 def documented_qos() -> dict[str, Qos]:

@@ -24,7 +24,7 @@ from typing import Any, TypeVar
 
 import pytest
 
-from lexstack_ros.system_load import machine_times
+from lexstack_testing.system_load import machine_times
 
 T = TypeVar("T")
 

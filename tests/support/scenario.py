@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from lexstack_core.config.resolved import ResolvedScenario, load_scenario
-from lexstack_core.model import Team
-from lexstack_core.state import RobotState
+from lexstack.config.resolved import ResolvedScenario, load_scenario
+from lexstack.robots import Team
+from lexstack.state import RobotState
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = ROOT / "config"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lexstack_bag.run import Planning, PlanStream, ProgressStream, SequenceEvent
-from lexstack_core.htmpc import SequenceTask
+from lexstack.mpc import SequenceTask
+from lexstack_bag.run.run import Planning, PlanStream, ProgressStream, SequenceEvent
 
 EVERY = 5
 TO = SequenceTask("to", "base_position", ((1.0, 0.5),))

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.model import Pose
-from lexstack_core.references import References
-from lexstack_core.transition.profile import quintic
-from lexstack_core.transition.status import Source, SourceSample
+from lexstack.config.scenario import TransitionConfig
+from lexstack.references import References
+from lexstack.robots import Pose
+from lexstack.transition.messages import Source, SourceSample
+from lexstack.transition.profiles import quintic
 from lexstack_experiments.loop import Loop
 from support.channels import BASES, ROBOTS, loop
 from support.scenario import home, team

@@ -16,9 +16,9 @@ from rosbags.highlevel import AnyReader, AnyReaderError
 from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
+from lexstack_bringup.processes import NODES
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest
-from lexstack_ros.bringup import NODES
-from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.messages.qos import LATCHED, STREAM
 from support.processes import running, short_scenario
 from support.scenario import ROOT, team
 
@@ -306,28 +306,36 @@ def test_wrong_arguments_of_a_node_are_one_line_and_exit_code_2(tmp_path, node):
 
 
 COMMAND_ARGUMENTS = [
-    ("lexstack_ros.commands.demo", ["FILE"], "file.yaml: not valid YAML"),
-    ("lexstack_ros.commands.demo", ["FOLDER"], "unknown scenario"),
-    ("lexstack_ros.commands.demo", ["x" * 5000], "unknown scenario"),
-    ("lexstack_ros.commands.demo", ["a\0b".replace("\0", "\x01")], "unknown scenario"),
-    ("lexstack_ros.commands.demo", ["--seed", "1" * 5000], "invalid int value"),
-    ("lexstack_ros.commands.demo", ["--seed", "99999999999"], "--seed: must be in"),
-    ("lexstack_ros.commands.demo", ["--out", "x" * 5000], "--out: "),
-    ("lexstack_ros.commands.bringup", [], "required"),
-    ("lexstack_ros.commands.bringup", ["--only", "x", "--host-config", "none"], "cannot be read"),
-    ("lexstack_ros.commands.bringup", ["--only", "x", "--host-config", "FILE"], "not valid YAML"),
+    ("lexstack_bringup.commands.demo", ["FILE"], "file.yaml: not valid YAML"),
+    ("lexstack_bringup.commands.demo", ["FOLDER"], "unknown scenario"),
+    ("lexstack_bringup.commands.demo", ["x" * 5000], "unknown scenario"),
+    ("lexstack_bringup.commands.demo", ["a\0b".replace("\0", "\x01")], "unknown scenario"),
+    ("lexstack_bringup.commands.demo", ["--seed", "1" * 5000], "invalid int value"),
+    ("lexstack_bringup.commands.demo", ["--seed", "99999999999"], "--seed: must be in"),
+    ("lexstack_bringup.commands.demo", ["--out", "x" * 5000], "--out: "),
+    ("lexstack_bringup.commands.bringup", [], "required"),
     (
-        "lexstack_ros.commands.bringup",
+        "lexstack_bringup.commands.bringup",
+        ["--only", "x", "--host-config", "none"],
+        "cannot be read",
+    ),
+    (
+        "lexstack_bringup.commands.bringup",
+        ["--only", "x", "--host-config", "FILE"],
+        "not valid YAML",
+    ),
+    (
+        "lexstack_bringup.commands.bringup",
         ["--only", "dance", "--host-config", "three_hosts_peers"],
         "--only: unknown node 'dance'; known: sim_bridge",
     ),
     (
-        "lexstack_ros.commands.bringup",
+        "lexstack_bringup.commands.bringup",
         ["--only", "stack_solver,hqp_controller", "--host-config", "three_hosts_peers"],
         "--only: the nodes of one host are needed, got robot_a, robot_b",
     ),
     (
-        "lexstack_ros.commands.bringup",
+        "lexstack_bringup.commands.bringup",
         ["--only", ",", "--host-config", "three_hosts_peers"],
         "got no host",
     ),

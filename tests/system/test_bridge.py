@@ -22,10 +22,10 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
-from lexstack_core.config.scenario import TimeoutsConfig
+from lexstack.config.scenario import TimeoutsConfig
 from lexstack_interfaces.msg import Chi, PlantState
 from lexstack_interfaces.srv import ApplyWrench
-from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.messages.qos import LATCHED, STREAM
 from support.plants import make_plant, sine
 from support.scenario import changed, team
 
@@ -86,7 +86,7 @@ class System:
         parameters = {"scenario": path} | parameters
         given = [f"{name}:={value}" for name, value in parameters.items()]
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "lexstack_sim.node", "--ros-args"]
+            [sys.executable, "-m", "lexstack_plant.adapters.mujoco", "--ros-args"]
             + [word for pair in given for word in ("-p", pair)],
             env=os.environ | {"ROS_DOMAIN_ID": str(self.domain), "ROS_PYTHON_CHECK_FIELDS": "1"},
             stdout=subprocess.PIPE,

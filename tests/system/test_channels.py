@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_run
-from lexstack_core.config.scenario import EventConfig
-from lexstack_core.model import Team
+from lexstack.config.scenario import EventConfig
+from lexstack.robots import Team
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.run.reader import read_run
 from lexstack_interfaces.msg import TransitionStatus
 from support.processes import acceleration_ratio, read, running
 from support.scenario import resolved

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import PoseStamped
 
-from lexstack_core.config.resolved import load_scenario
-from lexstack_core.model import Team
-from lexstack_core.rotation import to_quaternion
+from lexstack.config.resolved import load_scenario
+from lexstack.robots import Team
+from lexstack.spatial import to_quaternion
+from lexstack_bringup.processes import MODULES
 from lexstack_experiments.experiment import Options
 from lexstack_experiments.experiments import faults
 from lexstack_experiments.experiments.fault_cuts import CUTS
 from lexstack_experiments.experiments.fault_records import read_record
-from lexstack_ros.bringup import MODULES
-from lexstack_ros.faults.cases import CASES, FLOOD
-from lexstack_ros.faults.rig import running
-from lexstack_ros.qos import STREAM
+from lexstack_ros.messages.qos import STREAM
+from lexstack_testing.faults.cases import CASES, FLOOD
+from lexstack_testing.faults.rig import running
 from support.quiet import MACHINE, TIMEOUT
 from support.scenario import CONFIG, ROOT
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import yaml
 
+from lexstack_bringup.hosts import VARIABLES
 from lexstack_interfaces.msg import PlantState
-from lexstack_ros.hosts import VARIABLES
-from lexstack_ros.namespaces import Lan, why_not
+from lexstack_testing.virtual_lan import Lan, why_not
 from support.processes import acceleration_ratio, read
 from support.scenario import CONFIG, ROOT, SCENARIO, team
 
@@ -56,7 +56,7 @@ class Deployment:
             *("--only", only, "--host-config", self.hosts["name"]),
             *("--out", str(self.folder / name), str(self.scenario)),
         ]
-        command = [sys.executable, "-m", "lexstack_ros.commands.bringup", *arguments]
+        command = [sys.executable, "-m", "lexstack_bringup.commands.bringup", *arguments]
         self.processes[name] = self.lan.start(
             name, command, self.folder / f"{name}.txt", environment | variables
         )

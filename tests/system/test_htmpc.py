@@ -12,23 +12,23 @@ import pytest
 from rclpy.action import ActionClient
 from std_msgs.msg import String
 
-from lexstack_bag.measures import measure
-from lexstack_bag.metrics import compute_metrics
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_run
+from lexstack.config.resolved import load_scenario
+from lexstack.mpc import SequenceTask
+from lexstack_bag.figures.figures import compute_metrics
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.figures.series import measure
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.nodes import REPLAYERS, Question
 from lexstack_bag.report import sequences
-from lexstack_core.config.resolved import load_scenario
-from lexstack_core.htmpc import SequenceTask
+from lexstack_bag.run.reader import read_run
+from lexstack_bringup.processes import PLANNERS
 from lexstack_experiments.planned_loop import PlannedLoop
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import SequenceStatus, TransitionStatus
 from lexstack_interfaces.srv import ChangeSequence
-from lexstack_ros.bringup import PLANNERS
-from lexstack_ros.plan_conversions import task_message
-from lexstack_ros.qos import STREAM
-from lexstack_ros.readiness import READY
+from lexstack_ros.messages.plans import task_message
+from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.node.readiness import READY
 from support.processes import acceleration_ratio, chi_by_tick, read, running
 from support.scenario import CONFIG, team
 

@@ -18,8 +18,8 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible, qos_profile_sensor_data
 from std_srvs.srv import SetBool
 
-from lexstack_ros.bringup import NODES
-from lexstack_ros.qos import STREAM
+from lexstack_bringup.processes import NODES
+from lexstack_ros.messages.qos import STREAM
 from support.listening import sockets
 from support.processes import read, running, short_scenario
 from support.qos import documented_qos
@@ -269,7 +269,7 @@ def demo(out, *arguments, domain=None):
         environment["ROS_DOMAIN_ID"] = str(domain)
     return subprocess.Popen(
         [
-            *(sys.executable, "-m", "lexstack_ros.commands.demo"),
+            *(sys.executable, "-m", "lexstack_bringup.commands.demo"),
             *map(str, arguments),
             *("--out", str(out)),
         ],

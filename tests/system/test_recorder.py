@@ -16,9 +16,9 @@ import yaml
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
-from lexstack_bag.reader import read_run
-from lexstack_core.config.resolved import load_scenario
-from lexstack_ros.domain import own_domain
+from lexstack.config.resolved import load_scenario
+from lexstack_bag.run.reader import read_run
+from lexstack_bringup.domain import own_domain
 
 ROOT = Path(__file__).resolve().parents[2]
 COUNT = 1500
@@ -57,7 +57,7 @@ def start(command: list[str], environment: dict[str, str]) -> subprocess.Popen[s
 def recorder_command(output: Path, scenario: Path, **values: object) -> list[str]:
     given = {"output": output, "scenario": scenario, **values}
     pairs = [word for key, value in given.items() for word in ("-p", f"{key}:={value}")]
-    return ["-m", "lexstack_ros.nodes.recorder", "--ros-args", *pairs]
+    return ["-m", "lexstack_ros.recorder.node", "--ros-args", *pairs]
 
 
 @pytest.fixture
@@ -218,7 +218,7 @@ def test_a_bag_is_never_overwritten(tmp_path, scenario, environment):
 
 
 def test_parameters_are_needed(environment):
-    process = start(["-m", "lexstack_ros.nodes.recorder"], environment)
+    process = start(["-m", "lexstack_ros.recorder.node"], environment)
     _, err = process.communicate(timeout=30)
     assert process.returncode == 2
     assert "parameter 'output'" in err

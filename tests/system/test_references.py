@@ -12,14 +12,14 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool
 
-from lexstack_core.config.resolved import load_scenario
-from lexstack_core.config.scenario import PoseConfig
-from lexstack_core.model import Pose
-from lexstack_core.rotation import to_quaternion
+from lexstack.config.resolved import load_scenario
+from lexstack.config.scenario import PoseConfig
+from lexstack.robots import Pose
+from lexstack.spatial import to_quaternion
+from lexstack_bringup.processes import NODES
 from lexstack_interfaces.msg import Chi, PlantState, References
-from lexstack_ros.bringup import NODES
-from lexstack_ros.conversions import pose_message
-from lexstack_ros.qos import LATCHED, STREAM
+from lexstack_ros.messages.conversions import pose_message
+from lexstack_ros.messages.qos import LATCHED, STREAM
 from support.processes import acceleration_ratio, read, running, short_scenario
 from support.scenario import CONFIG, home, team
 

@@ -17,14 +17,14 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from std_srvs.srv import Trigger
 
+from lexstack.config.scenario import EventConfig, PoseConfig
 from lexstack_bag.commands import replay as command
-from lexstack_bag.reader import read_run
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.nodes import REPLAYERS, Question, recorded_nodes, replay_controller
-from lexstack_core.config.scenario import EventConfig, PoseConfig
+from lexstack_bag.run.reader import read_run
+from lexstack_bringup.commands import replay as ros_command
+from lexstack_bringup.domain import own_domain
 from lexstack_interfaces.msg import TransitionStatus
-from lexstack_ros.commands import replay as ros_command
-from lexstack_ros.domain import own_domain
 from support.processes import running, short_scenario
 
 pytestmark = pytest.mark.system
@@ -204,7 +204,7 @@ def test_a_bag_alone_is_analysed_and_replayed(recorded, tmp_path):
     alone = tmp_path / "alone"
     alone.mkdir()
     shutil.copy(recorded / "bag" / "bag_0.mcap", alone / "found.mcap")
-    for module in ("lexstack_bag.commands.analyze", "lexstack_ros.commands.replay"):
+    for module in ("lexstack_bag.commands.analyze", "lexstack_bringup.commands.replay"):
         done = subprocess.run(
             [sys.executable, "-m", module, "found.mcap"],
             capture_output=True,
@@ -253,8 +253,8 @@ def live(module, scenario, domain):
 @pytest.mark.parametrize(
     ("node", "module"),
     [
-        ("robot_a", "lexstack_ros.nodes.hqp_controller"),
-        ("robot_b", "lexstack_ros.nodes.stack_solver"),
+        ("robot_a", "lexstack_ros.controller.node"),
+        ("robot_b", "lexstack_ros.solver.node"),
     ],
 )
 def test_one_live_node_among_recorded_ones_gives_the_recorded_chi(
@@ -279,7 +279,7 @@ def test_all_is_played_at_its_pace_with_the_clock(recorded, tmp_path, monkeypatc
         environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
         parameters = [f"output:={tmp_path / 'bag'}", f"scenario:={recorded / 'scenario.yaml'}"]
         recorder = subprocess.Popen(
-            [sys.executable, "-m", "lexstack_ros.nodes.recorder", "--ros-args"]
+            [sys.executable, "-m", "lexstack_ros.recorder.node", "--ros-args"]
             + [word for pair in parameters for word in ("-p", pair)],
             stdout=subprocess.PIPE,
             text=True,

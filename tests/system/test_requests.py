@@ -14,7 +14,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
-from lexstack_ros.qos import STREAM
+from lexstack_ros.messages.qos import STREAM
 from support.processes import running, short_scenario
 
 pytestmark = [pytest.mark.system, pytest.mark.realtime]

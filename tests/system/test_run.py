@@ -22,7 +22,7 @@ def demo(*arguments, **options):
     """Run the demo command and return what it did."""
     environment = {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
     return subprocess.run(
-        [sys.executable, "-m", "lexstack_ros.commands.demo", *map(str, arguments)],
+        [sys.executable, "-m", "lexstack_bringup.commands.demo", *map(str, arguments)],
         capture_output=True,
         text=True,
         timeout=110,
@@ -188,7 +188,7 @@ def test_ctrl_c_leaves_no_process_and_a_bag(tmp_path):
         [
             sys.executable,
             "-m",
-            "lexstack_ros.commands.demo",
+            "lexstack_bringup.commands.demo",
             "--mode",
             "realtime",
             "--out",

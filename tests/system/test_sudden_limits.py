@@ -8,9 +8,9 @@ import sys
 import numpy as np
 import pytest
 
-from lexstack_bag.limits import limits_in_force
-from lexstack_bag.measures import COMMANDER
-from lexstack_bag.reader import read_run
+from lexstack_bag.figures.limits import limits_in_force
+from lexstack_bag.figures.series import COMMANDER
+from lexstack_bag.run.reader import read_run
 from support.scenario import ROOT
 
 pytestmark = pytest.mark.system
@@ -21,7 +21,14 @@ def out(tmp_path_factory):
     """Run the demo once."""
     folder = tmp_path_factory.mktemp("sudden") / "run"
     done = subprocess.run(
-        [sys.executable, "-m", "lexstack_ros.commands.demo", "sudden-limits", "--out", str(folder)],
+        [
+            sys.executable,
+            "-m",
+            "lexstack_bringup.commands.demo",
+            "sudden-limits",
+            "--out",
+            str(folder),
+        ],
         capture_output=True,
         text=True,
         timeout=110,

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from std_srvs.srv import SetBool
 
+from lexstack_bringup.live_page import start_page
 from lexstack_interfaces.msg import PlantState, TransitionStatus
-from lexstack_ros.qos import STREAM
-from lexstack_ros.view.start import start_page
+from lexstack_ros.messages.qos import STREAM
 from support.browser import Browser
 from support.processes import chi_by_tick, running, short_scenario
 

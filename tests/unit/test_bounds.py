@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import (
+from lexstack.errors import ModelError
+from lexstack.limits.viable_bounds import (
     Bounds,
     JointLimits,
     approach_speed,
     target_bounds,
     viable_bounds,
 )
-from lexstack_core.errors import ModelError
 
 INF = math.inf
 DT = 0.1

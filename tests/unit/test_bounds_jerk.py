@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import JointLimits, viable_bounds
-from lexstack_core.braking import look_ahead
-from lexstack_core.jerk import JerkLaw
+from lexstack.limits.jerk_bounds import JerkLaw
+from lexstack.limits.stopping import look_ahead
+from lexstack.limits.viable_bounds import JointLimits, viable_bounds
 from support.scenario import team
 
 INF = math.inf

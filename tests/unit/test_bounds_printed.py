@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import Bounds, JointLimits, viable_bounds
-from lexstack_core.limits import LimitBlend, Motion
-from lexstack_core.state import RobotState
+from lexstack.limits.limit_transition import LimitBlend, Motion
+from lexstack.limits.viable_bounds import Bounds, JointLimits, viable_bounds
+from lexstack.state import RobotState
 from lexstack_experiments.baselines.bounds import EmptyBoxes, t31, t34
 from lexstack_experiments.baselines.printed_law import PrintedLaw
 

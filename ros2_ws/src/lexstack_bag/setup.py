@@ -21,7 +21,7 @@ setup(
     install_requires=[
         "imageio-ffmpeg",
         "jinja2>=3.1",
-        "lexstack-core",
+        "lexstack",
         "mcap>=1.2",
         "numpy>=2",
         "pillow",

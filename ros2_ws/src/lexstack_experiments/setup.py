@@ -20,7 +20,7 @@ setup(
     ],
     install_requires=[
         "lexstack-bag",
-        "lexstack-core",
+        "lexstack",
         "lexstack-sim",
         "numpy>=2",
     ],

@@ -20,14 +20,14 @@ setup(
     ],
     install_requires=[
         "lexstack-bag",
-        "lexstack-core",
+        "lexstack",
         "numpy>=2",
     ],
     entry_points={
         "console_scripts": [
-            "hqp_controller = lexstack_ros.nodes.hqp_controller:main",
-            "stack_solver = lexstack_ros.nodes.stack_solver:main",
-            "recorder = lexstack_ros.nodes.recorder:main",
+            "hqp_controller = lexstack_ros.controller.node:main",
+            "stack_solver = lexstack_ros.solver.node:main",
+            "recorder = lexstack_ros.recorder.node:main",
             "view = lexstack_ros.view.node:main",
         ],
     },

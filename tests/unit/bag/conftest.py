@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from lexstack_bag.definitions import message_definition
-from lexstack_bag.facts import run_facts
-from lexstack_bag.metadata import Qos, Topic
-from lexstack_bag.presets import Storage
-from lexstack_bag.writer import BagWriter
-from lexstack_core.config.resolved import ResolvedScenario, load_robot
-from lexstack_core.config.scenario import PlacementConfig, ScenarioConfig, TransitionConfig
-from lexstack_core.config.stack import LevelConfig, StackConfig, TaskConfig
-from lexstack_core.model import Team
+from lexstack.config.resolved import ResolvedScenario, load_robot
+from lexstack.config.scenario import PlacementConfig, ScenarioConfig, TransitionConfig
+from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
+from lexstack.robots import Team
+from lexstack_bag.run.provenance import run_facts
+from lexstack_bag.storage.definitions import message_definition
+from lexstack_bag.storage.metadata import Qos, Topic
+from lexstack_bag.storage.presets import Storage
+from lexstack_bag.storage.writer import BagWriter
 
 ROOT = Path(__file__).parents[3]
 RATE, TICKS, TRIGGER, ADOPTED, MISSING = 100, 400, 100, 200, 300

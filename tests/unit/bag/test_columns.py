@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from lexstack_bag.columns import StreamBuilder
-from lexstack_bag.run import Integers, Matrix, Ragged, Strings, Vector
+from lexstack_bag.run.columns import StreamBuilder
+from lexstack_bag.run.run import Integers, Matrix, Ragged, Strings, Vector
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from lexstack_bag.compare import MESSAGES, RUN, compare_metrics, summary_lines
-from lexstack_bag.measures import measure
-from lexstack_bag.metrics import Metrics, compute_metrics
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_run
+from lexstack_bag.figures.compare import MESSAGES, RUN, compare_metrics, summary_lines
+from lexstack_bag.figures.figures import Metrics, compute_metrics
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.figures.series import measure
+from lexstack_bag.run.reader import read_run
 
 
 @pytest.fixture(scope="module")

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from lexstack_bag.goals import summary_lines
-from lexstack_bag.measures import measure
-from lexstack_bag.metrics import compute_metrics
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_run
+from lexstack_bag.figures.figures import compute_metrics
+from lexstack_bag.figures.goals import summary_lines
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.figures.series import measure
+from lexstack_bag.run.reader import read_run
 
 LARGE = {"robot_a": -916190.12, "robot_b": 1751230.45}  # mm
 

@@ -10,9 +10,9 @@ import pytest
 from pyarrow import parquet
 
 from lexstack_bag.commands import analyze
-from lexstack_bag.export import tables, write_csv, write_parquet
-from lexstack_bag.measures import measure
-from lexstack_bag.reader import read_run
+from lexstack_bag.figures.export import tables, write_csv, write_parquet
+from lexstack_bag.figures.series import measure
+from lexstack_bag.run.reader import read_run
 
 NAMES = {"plant", "errors", "robot_a_chi", "robot_b_chi", "transition", "targets"}
 WITHOUT_UNIT = re.compile(

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from lexstack_bag.commands.analyze import analyze, compare, main
-from lexstack_bag.facts import run_facts
-from lexstack_bag.measures import measure
-from lexstack_bag.metrics import compute_metrics
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_run
+from lexstack_bag.figures.figures import compute_metrics
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.figures.series import measure
 from lexstack_bag.report.build import write_report
 from lexstack_bag.report.page import document
+from lexstack_bag.run.provenance import run_facts
+from lexstack_bag.run.reader import read_run
 from support.browser import Browser
 from support.hostile import ALL, IMAGE, assert_harmless, shown
 

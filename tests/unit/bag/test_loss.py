@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from lexstack_bag.loss import LossCounter
+from lexstack_bag.run.loss import LossCounter
 
 
 @pytest.mark.parametrize(

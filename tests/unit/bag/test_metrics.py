@@ -6,10 +6,10 @@ import json
 
 import pytest
 
-from lexstack_bag.measures import measure
-from lexstack_bag.metrics import Metrics, compute_metrics
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_run
+from lexstack_bag.figures.figures import Metrics, compute_metrics
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.figures.series import measure
+from lexstack_bag.run.reader import read_run
 
 
 @pytest.fixture(scope="module")

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_bag.facts import run_facts
-from lexstack_bag.parts import joined, robots_of
-from lexstack_bag.reader import read_run
-from lexstack_bag.writer import BagWriter
-from lexstack_core.model import Team
+from lexstack.robots import Team
+from lexstack_bag.run.partial_chi import joined, robots_of
+from lexstack_bag.run.provenance import run_facts
+from lexstack_bag.run.reader import read_run
+from lexstack_bag.storage.writer import BagWriter
 
 from .conftest import Maker
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_bag.phases import Phase, find_phases
-from lexstack_bag.reader import read_run
-from lexstack_bag.run import Run, TransitionPhase, TransitionStream
+from lexstack_bag.figures.phases import Phase, find_phases
+from lexstack_bag.run.reader import read_run
+from lexstack_bag.run.run import Run, TransitionPhase, TransitionStream
 
 IDLE, REQUESTED, PREPARING, BLENDING, ADOPTING, ABORTED = TransitionPhase
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from lexstack_bag.container import Container, find_files
 from lexstack_bag.errors import BagError
-from lexstack_bag.reader import read_run
-from lexstack_bag.writer import BagWriter
+from lexstack_bag.run.reader import read_run
+from lexstack_bag.storage.container import Container, find_files
+from lexstack_bag.storage.writer import BagWriter
 
 
 def one_line(error: pytest.ExceptionInfo[BagError]) -> str:

@@ -6,10 +6,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lexstack_bag.goals import summary_lines
+from lexstack.config.resolved import load_scenario
+from lexstack.config.scenario import ObstacleConfig, PoseConfig
+from lexstack_bag.figures.goals import summary_lines
 from lexstack_bag.report.tables import phases_table
-from lexstack_core.config.resolved import load_scenario
-from lexstack_core.config.scenario import ObstacleConfig, PoseConfig
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.runs import Measured, changed

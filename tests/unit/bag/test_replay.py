@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_bag.reader import read_run
+from lexstack.errors import ConfigurationError
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.outcome import Joint, Outcome
 from lexstack_bag.replay.requests import Ask, Cancel, requests_of
-from lexstack_bag.run import StackRequested
-from lexstack_core.errors import ConfigurationError
+from lexstack_bag.run.reader import read_run
+from lexstack_bag.run.run import StackRequested
 
 PHASES = {"idle": 0, "requested": 1, "preparing": 2, "blending": 3, "adopting": 4, "aborted": 5}
 

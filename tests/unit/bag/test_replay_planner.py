@@ -8,11 +8,16 @@ from functools import cache
 import numpy as np
 import pytest
 
+from lexstack.config.htmpc import load_htmpc
+from lexstack.mpc import HT_ARCH, SequenceTask
+from lexstack.mpc.sequence.runner import Change, SequenceRunner
+from lexstack.robots import Team
+from lexstack.state import RobotState
 from lexstack_bag.errors import BagError
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.planner import heard_plans, replay_planner
 from lexstack_bag.replay.question import Question
-from lexstack_bag.run import (
+from lexstack_bag.run.run import (
     Planning,
     PlanStream,
     PlantStream,
@@ -21,11 +26,6 @@ from lexstack_bag.run import (
     SequenceEvent,
     TransitionStream,
 )
-from lexstack_core.config.htmpc import load_htmpc
-from lexstack_core.htmpc import HT_ARCH, SequenceTask
-from lexstack_core.htmpc.runner import Change, SequenceRunner
-from lexstack_core.model import Team
-from lexstack_core.state import RobotState
 from support.scenario import CONFIG, changed
 
 DT, EVERY, TICKS = 0.01, 5, 300

@@ -154,9 +154,9 @@ def test_without_pictures_it_says_why(html):
 def test_pictures_are_embedded(synthetic, monkeypatch):
     from types import SimpleNamespace
 
-    from lexstack_bag.measures import measure
-    from lexstack_bag.phases import find_phases
-    from lexstack_bag.reader import read_run
+    from lexstack_bag.figures.phases import find_phases
+    from lexstack_bag.figures.series import measure
+    from lexstack_bag.run.reader import read_run
 
     asked = []
 

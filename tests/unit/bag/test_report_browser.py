@@ -9,11 +9,11 @@ import sys
 import numpy as np
 import pytest
 
-from lexstack_bag.measures import measure
-from lexstack_bag.metrics import compute_metrics
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_run
+from lexstack_bag.figures.figures import compute_metrics
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.figures.series import measure
 from lexstack_bag.report.build import write_report
+from lexstack_bag.run.reader import read_run
 from support.browser import Browser
 
 GROUND = np.array([0xEE, 0xF1, 0xF4])  # what is behind the robots

@@ -10,12 +10,12 @@ import re
 import numpy as np
 import pytest
 
-from lexstack_bag.compare import compare_metrics
-from lexstack_bag.measures import measure
-from lexstack_bag.metrics import compute_metrics
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_run
+from lexstack_bag.figures.compare import compare_metrics
+from lexstack_bag.figures.figures import compute_metrics
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.figures.series import measure
 from lexstack_bag.report.comparison import Side, write_comparison
+from lexstack_bag.run.reader import read_run
 from support.browser import Browser
 
 LATER = 0.4  # s, by which the second run's trigger is later

@@ -10,12 +10,12 @@ import sys
 import numpy as np
 import pytest
 
+from lexstack.errors import LexstackError
 from lexstack_bag.commands import analyze
-from lexstack_bag.measures import measure
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_run
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.figures.series import measure
 from lexstack_bag.report.video import write_video
-from lexstack_core.errors import LexstackError
+from lexstack_bag.run.reader import read_run
 from lexstack_sim import render
 
 

@@ -10,23 +10,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_bag.compare import compare_metrics
-from lexstack_bag.goals import goals_of, held_back, summary_lines
-from lexstack_bag.measures import measure
-from lexstack_bag.metrics import compute_metrics
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_run
-from lexstack_bag.relations import TITLES
+from lexstack.config.scenario import TransitionConfig
+from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
+from lexstack_bag.figures.compare import compare_metrics
+from lexstack_bag.figures.figures import compute_metrics
+from lexstack_bag.figures.goals import goals_of, held_back, summary_lines
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.figures.relative_errors import TITLES
+from lexstack_bag.figures.series import measure
 from lexstack_bag.report.build import write_report
 from lexstack_bag.report.comparison import Side, write_comparison
 from lexstack_bag.report.layout import marks
 from lexstack_bag.report.tables import phases_table
 from lexstack_bag.report.traces import BLUE, VERMILLION
-from lexstack_bag.sequences import sequences_of
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.config.stack import LevelConfig, StackConfig, TaskConfig
+from lexstack_bag.run.reader import read_run
+from lexstack_bag.run.sequences import sequences_of
 from lexstack_experiments.runs import Measured
-from lexstack_sim.looks import TINTS
+from lexstack_sim.visuals import TINTS
 from support.browser import Browser
 from support.channels import loop
 from support.sequences import planning
@@ -72,7 +72,7 @@ def test_a_switch_that_another_one_replaced_says_so():
 
 
 def test_a_sequence_that_was_cancelled_on_request_is_no_missed_goal(synthetic):
-    from lexstack_bag.run import SequenceEvent
+    from lexstack_bag.run.run import SequenceEvent
 
     events = [
         SequenceEvent(1, 20, "ht", "begin", "", ()),
@@ -255,7 +255,7 @@ def test_the_heads_of_a_printed_comparison_are_whole(synthetic):
     run = read_run(synthetic.folder)
     metrics = compute_metrics(run, measure(run), find_phases(run))
     names = ("runs/2020-transition-sequence-lockstep", "runs/another-name-of-thirty-letters")
-    from lexstack_bag.compare import summary_lines as lines
+    from lexstack_bag.figures.compare import summary_lines as lines
 
     text = "\n".join(lines(compare_metrics(metrics, metrics, names)))
     assert all(name in text for name in names)

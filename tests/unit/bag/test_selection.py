@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from lexstack_bag.errors import BagError
-from lexstack_bag.selection import Selection
+from lexstack_bag.storage.selection import Selection
 
 TOPICS = {
     "/plant/state": "lexstack_interfaces/msg/PlantState",

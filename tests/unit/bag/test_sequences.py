@@ -8,16 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_bag.compare import compare_metrics
-from lexstack_bag.export import tables
-from lexstack_bag.goals import goals_of, summary_lines
-from lexstack_bag.measures import measure
-from lexstack_bag.metrics import compute_metrics
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_run
+from lexstack_bag.figures.compare import compare_metrics
+from lexstack_bag.figures.export import tables
+from lexstack_bag.figures.figures import compute_metrics
+from lexstack_bag.figures.goals import goals_of, summary_lines
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.figures.series import measure
 from lexstack_bag.report import sequences as page
-from lexstack_bag.run import SequenceEvent
-from lexstack_bag.sequences import executions, ratio_of, sequences_of
+from lexstack_bag.run.reader import read_run
+from lexstack_bag.run.run import SequenceEvent
+from lexstack_bag.run.sequences import executions, ratio_of, sequences_of
 from support.sequences import TO, planning
 
 

@@ -16,10 +16,10 @@ from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 
 from lexstack_bag.errors import BagError
-from lexstack_bag.metadata import Topic
-from lexstack_bag.presets import PRESETS, Storage
-from lexstack_bag.reader import read_run
-from lexstack_bag.writer import BagWriter
+from lexstack_bag.run.reader import read_run
+from lexstack_bag.storage.metadata import Topic
+from lexstack_bag.storage.presets import PRESETS, Storage
+from lexstack_bag.storage.writer import BagWriter
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch):
     clock = Clock()
-    monkeypatch.setattr("lexstack_bag.mcap_file.time", SimpleNamespace(monotonic=clock))
+    monkeypatch.setattr("lexstack_bag.storage.mcap_file.time", SimpleNamespace(monotonic=clock))
     return clock
 
 

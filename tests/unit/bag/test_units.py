@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from lexstack_bag.export import _VELOCITY, _entries
+from lexstack_bag.figures.export import _VELOCITY, _entries
 from lexstack_bag.replay.outcome import joints_of
 from lexstack_bag.report import control, switches
 from support.lift import JOINTS, lift_scenario, lift_team

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from lexstack_bag.commands.analyze import analyze
-from lexstack_bag.compare import compare_metrics
-from lexstack_bag.goals import goals_of, summary_lines
-from lexstack_bag.measures import measure
-from lexstack_bag.metrics import compute_metrics
-from lexstack_bag.phases import find_phases
-from lexstack_bag.reader import read_parts, read_run
-from lexstack_bag.run import PlantStatus
-from lexstack_bag.wholeness import Band, bands_of
+from lexstack_bag.figures.compare import compare_metrics
+from lexstack_bag.figures.figures import compute_metrics
+from lexstack_bag.figures.goals import goals_of, summary_lines
+from lexstack_bag.figures.phases import find_phases
+from lexstack_bag.figures.series import measure
+from lexstack_bag.run.reader import read_parts, read_run
+from lexstack_bag.run.run import PlantStatus
+from lexstack_bag.run.wholeness import Band, bands_of
 from support.browser import Browser
 
 BRAKES, FOLLOWS = 220, 300  # ticks

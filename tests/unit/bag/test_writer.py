@@ -12,8 +12,8 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from lexstack_bag.errors import BagError
-from lexstack_bag.metadata import Topic
-from lexstack_bag.writer import BagWriter
+from lexstack_bag.storage.metadata import Topic
+from lexstack_bag.storage.writer import BagWriter
 
 INFINITE = {"sec": 9223372036, "nsec": 854775807}
 

@@ -5,11 +5,11 @@ import copy
 import pytest
 import yaml
 
-from lexstack_core.config.reader import build
-from lexstack_core.config.resolved import ResolvedScenario, load_robot, load_scenario, load_stacks
-from lexstack_core.config.scenario import ScenarioConfig
-from lexstack_core.config.stack import StackConfig
-from lexstack_core.errors import ConfigurationError
+from lexstack.config.reader import build
+from lexstack.config.resolved import ResolvedScenario, load_robot, load_scenario, load_stacks
+from lexstack.config.scenario import ScenarioConfig
+from lexstack.config.stack import StackConfig
+from lexstack.errors import ConfigurationError
 from support.scenario import CONFIG, SCENARIO, resolved
 
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.controller import checked
-from lexstack_core.hqp import Solution, Status
-from lexstack_core.references import Target
-from lexstack_core.transition.status import Phase, Source, SourceSample
+from lexstack.config.scenario import TransitionConfig
+from lexstack.control.controller import checked
+from lexstack.hqp import Solution, Status
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.references import Target
+from lexstack.transition.messages import Phase, Source, SourceSample
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from support.scenario import changed, home, resolved

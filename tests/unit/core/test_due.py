@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.hqp import Solution, Status
-from lexstack_core.transition.plan_book import HeardPlan
-from lexstack_core.transition.status import SourceSample
+from lexstack.config.scenario import TransitionConfig
+from lexstack.hqp import Solution, Status
+from lexstack.transition.messages import SourceSample
+from lexstack.transition.sources.mpc_plans import HeardPlan
 from support.channels import loop, parts
 from support.scenario import home, team
 

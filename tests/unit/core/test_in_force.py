@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import JointLimits, viable_bounds
-from lexstack_core.in_force import LimitOptions, LimitsInForce
-from lexstack_core.state import RobotState
+from lexstack.limits.limits_in_force import LimitOptions, LimitsInForce
+from lexstack.limits.viable_bounds import JointLimits, viable_bounds
+from lexstack.state import RobotState
 
 DT = 0.01
 

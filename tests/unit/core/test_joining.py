@@ -6,9 +6,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.stack_solver import share
-from lexstack_core.transition.joining import Joiner
-from lexstack_core.transition.status import SourceSample
+from lexstack.control.stack_solver import share
+from lexstack.transition.messages import SourceSample
+from lexstack.transition.sources.partial_samples import Joiner
 from support.scenario import team
 
 TEAM = team()
@@ -63,7 +63,7 @@ def test_what_holds_all_that_is_needed_goes_through_as_it_is():
 
 
 def test_every_robot_has_one_solver_and_coupled_ones_share_the_first():
-    from lexstack_core.build import Parts
+    from lexstack.control.factory import Parts
     from support.scenario import changed
 
     stacks = Parts.of(changed()).stacks

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import yaml
 
-from lexstack_core.bounds import JointLimits, viable_bounds
-from lexstack_core.config.reader import build
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.config.stack import StackConfig
-from lexstack_core.errors import ConfigurationError
-from lexstack_core.limits import LimitBlend, Motion
-from lexstack_core.stack import build_stack
+from lexstack.config.reader import build
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.config.stack import StackConfig
+from lexstack.errors import ConfigurationError
+from lexstack.limits.limit_transition import LimitBlend, Motion
+from lexstack.limits.viable_bounds import JointLimits, viable_bounds
+from lexstack.tasks.stack import build_stack
 from support.scenario import CONFIG, resolved, team
 
 DT = 0.01

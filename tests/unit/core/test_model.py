@@ -6,10 +6,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lexstack_core.config.robot import FrameConfig
-from lexstack_core.errors import ConfigurationError, ModelError
-from lexstack_core.model import RobotModel, Team
-from lexstack_core.model.description import description_path
+from lexstack.config.robot import FrameConfig
+from lexstack.errors import ConfigurationError, ModelError
+from lexstack.robots import RobotModel, Team
+from lexstack.robots.assembly import description_path
 from support.scenario import home, random_q, resolved, state_at, team
 
 RNG = np.random.default_rng(1)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lexstack_core.transition.plan_book import HeardPlan, PlanBook
+from lexstack.transition.sources.mpc_plans import HeardPlan, PlanBook
 from support.scenario import changed, team
 
 TIMES = np.array([0.0, 0.1, 0.2])

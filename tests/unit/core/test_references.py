@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.errors import InputError
-from lexstack_core.model import Pose
-from lexstack_core.references import (
+from lexstack.errors import InputError
+from lexstack.references import (
     BASES,
     POSES,
     References,
@@ -21,7 +20,8 @@ from lexstack_core.references import (
     decode,
     encode,
 )
-from lexstack_core.rotation import log3
+from lexstack.robots import Pose
+from lexstack.spatial import log3
 
 DT = 0.01
 LEAD = 0.5

@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lexstack_core.build import build_references
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.model import Pose
-from lexstack_core.references import Target
-from lexstack_core.transition.relatch import LOSSES
-from lexstack_core.transition.status import Phase, Source
+from lexstack.config.scenario import TransitionConfig
+from lexstack.control.factory import build_references
+from lexstack.references import Target
+from lexstack.robots import Pose
+from lexstack.transition.messages import Phase, Source
+from lexstack.transition.relatch import LOSSES
 from lexstack_experiments.links import Delayed
 from support.channels import loop
 from support.scenario import home, team

@@ -6,13 +6,13 @@ import itertools
 import numpy as np
 import pytest
 
-from lexstack_core.linear import LinearTask
-from lexstack_core.references import Target
-from lexstack_core.stack_solver import StackSolver
-from lexstack_core.transition.joining import Joiner
-from lexstack_core.transition.sources import Sources
-from lexstack_core.transition.status import Phase, Source, SourceSample
-from lexstack_core.transition.witness import Witness
+from lexstack.control.stack_solver import StackSolver
+from lexstack.references import Target
+from lexstack.transition.messages import Phase, Source, SourceSample
+from lexstack.transition.sources.inbox import Sources
+from lexstack.transition.sources.partial_samples import Joiner
+from lexstack.transition.sources.residual_check import Witness
+from lexstack.types import LinearTask
 from support.channels import loop, parts
 from support.scenario import changed, home, team
 

@@ -6,11 +6,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lexstack_core.config.reader import build
-from lexstack_core.config.robot import SphereConfig
-from lexstack_core.config.scenario import ObstacleConfig
-from lexstack_core.errors import ConfigurationError, ModelError
-from lexstack_core.model import Obstacles, RobotModel
+from lexstack.config.reader import build
+from lexstack.config.robot import SphereConfig
+from lexstack.config.scenario import ObstacleConfig
+from lexstack.errors import ConfigurationError, ModelError
+from lexstack.robots import Obstacles, RobotModel
 from support.scenario import random_q, state_at, team
 
 STEP = 1e-6

@@ -6,14 +6,14 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lexstack_core.build import build_references
-from lexstack_core.config.stack import LevelConfig, StackConfig, TaskConfig
-from lexstack_core.errors import ConfigurationError
-from lexstack_core.model import Pose, RobotModel, Team
-from lexstack_core.references import References, ReferenceSchedule, Target
-from lexstack_core.stack import build_stack
-from lexstack_core.tasks import TASKS
-from lexstack_core.tasks.ee_pose import pose_error, saturated
+from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
+from lexstack.control.factory import build_references
+from lexstack.errors import ConfigurationError
+from lexstack.references import References, ReferenceSchedule, Target
+from lexstack.robots import Pose, RobotModel, Team
+from lexstack.tasks import TASKS
+from lexstack.tasks.frame_pose import pose_error, saturated
+from lexstack.tasks.stack import build_stack
 from support.scenario import home, random_q, resolved, state_at, team
 
 RNG = np.random.default_rng(2)

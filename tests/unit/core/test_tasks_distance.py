@@ -7,15 +7,15 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.bounds import viable_bounds
-from lexstack_core.config.scenario import ObstacleConfig
-from lexstack_core.errors import ConfigurationError
-from lexstack_core.hqp import HqpProblem, make_solver
-from lexstack_core.model import Obstacles, Pose, RobotModel, Team
-from lexstack_core.references import References
-from lexstack_core.tasks import TASKS
-from lexstack_core.tasks.distance import Distance, DistanceParameters, damped_speed
-from lexstack_core.transition.bridge import latch
+from lexstack.config.scenario import ObstacleConfig
+from lexstack.errors import ConfigurationError
+from lexstack.hqp import HqpProblem, make_solver
+from lexstack.limits.viable_bounds import viable_bounds
+from lexstack.references import References
+from lexstack.robots import Obstacles, Pose, RobotModel, Team
+from lexstack.tasks import TASKS
+from lexstack.tasks.collision_avoidance import Distance, DistanceParameters, damped_speed
+from lexstack.transition.bridge import latch
 from support.oracle import lexicographic_oracle
 from support.scenario import home, random_q, state_at, team
 

@@ -1,7 +1,6 @@
 """docs/tasks.md: its tables name what there is, and its example is a task that works."""
 
 import dataclasses
-import importlib
 import re
 import sys
 import typing
@@ -11,14 +10,14 @@ import numpy as np
 import pytest
 import yaml
 
-from lexstack_core.config.reader import build, parse_yaml
-from lexstack_core.config.scenario import ObstacleConfig
-from lexstack_core.config.stack import StackConfig
-from lexstack_core.errors import ConfigurationError
-from lexstack_core.model import Obstacles
-from lexstack_core.references import References
-from lexstack_core.stack import build_stack
-from lexstack_core.tasks import TASKS
+from lexstack.config.reader import build, parse_yaml
+from lexstack.config.scenario import ObstacleConfig
+from lexstack.config.stack import StackConfig
+from lexstack.errors import ConfigurationError
+from lexstack.references import References
+from lexstack.robots import Obstacles
+from lexstack.tasks import TASKS
+from lexstack.tasks.stack import build_stack
 from support.scenario import ROOT, random_q, state_at, team
 
 PAGE = (ROOT / "docs" / "tasks.md").read_text(encoding="utf-8")
@@ -39,7 +38,7 @@ def table(heading):
 
 def parameters_of(kind):
     """Return the dataclass of a task's parameters."""
-    module = importlib.import_module(f"lexstack_core.tasks.{kind}")
+    module = sys.modules[TASKS[kind].__self__.__module__]
     (found,) = (
         value
         for name, value in vars(module).items()

@@ -4,16 +4,16 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.config.stack import LevelConfig, StackConfig, TaskConfig
-from lexstack_core.errors import ConfigurationError
-from lexstack_core.hqp import HqpProblem, make_solver
-from lexstack_core.model import Pose
-from lexstack_core.references import References
-from lexstack_core.stack import build_stack
-from lexstack_core.tasks import TASKS
-from lexstack_core.tasks.ee_pose import pose_error
-from lexstack_core.tasks.relative_pose import other_end
+from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
+from lexstack.errors import ConfigurationError
+from lexstack.hqp import HqpProblem, make_solver
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.references import References
+from lexstack.robots import Pose
+from lexstack.tasks import TASKS
+from lexstack.tasks.frame_pose import pose_error
+from lexstack.tasks.relative_pose import other_end
+from lexstack.tasks.stack import build_stack
 from support.scenario import random_q, state_at, team
 
 STEP = 1e-6

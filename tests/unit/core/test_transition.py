@@ -6,11 +6,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from lexstack_core.linear import LinearTask
-from lexstack_core.transition.bridge import bridged, goes_on, latch
-from lexstack_core.transition.profile import PROFILES, alpha
-from lexstack_core.transition.request import MAX_SCHEDULED, RequestBook
-from lexstack_core.transition.status import Announcement, SourceSchedule
+from lexstack.transition.bridge import bridged, goes_on, latch
+from lexstack.transition.messages import Announcement, SourceSchedule
+from lexstack.transition.profiles import PROFILES, alpha
+from lexstack.transition.requests import MAX_SCHEDULED, RequestBook
+from lexstack.types import LinearTask
 from support.scenario import resolved
 
 RNG = np.random.default_rng(3)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.transition.carry import Carry
-from lexstack_core.transition.status import Phase, Source, SourceSample
+from lexstack.config.scenario import TransitionConfig
+from lexstack.transition.gap_motion import Carry
+from lexstack.transition.messages import Phase, Source, SourceSample
 from lexstack_experiments.links import Delayed, Frozen
 from support.channels import loop
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_core.build import build_references
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.linear import LinearTask
-from lexstack_core.references import Target
-from lexstack_core.transition.status import Source, SourceSample
-from lexstack_core.transition.witness import Witness
+from lexstack.config.scenario import TransitionConfig
+from lexstack.control.factory import build_references
+from lexstack.references import Target
+from lexstack.transition.messages import Source, SourceSample
+from lexstack.transition.sources.residual_check import Witness
+from lexstack.types import LinearTask
 from lexstack_experiments.links import Delayed, Frozen
 from support.channels import loop, state_of
 

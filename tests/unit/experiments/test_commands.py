@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from lexstack_core.errors import ConfigurationError, ModelError
+from lexstack.errors import ConfigurationError, ModelError
 from lexstack_experiments.benches import BENCHES
 from lexstack_experiments.commands.command import run_command
 from lexstack_experiments.experiment import Experiment

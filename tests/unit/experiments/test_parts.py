@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from lexstack_bag.measures import measure
-from lexstack_core.bounds import Bounds
-from lexstack_core.build import Parts, build_controller
-from lexstack_core.config.scenario import TransitionConfig
-from lexstack_core.linear import LinearTask
-from lexstack_core.transition.status import SourceSample
+from lexstack.config.scenario import TransitionConfig
+from lexstack.control.factory import Parts, build_controller
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.transition.messages import SourceSample
+from lexstack.types import LinearTask
+from lexstack_bag.figures.series import measure
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.links import Delayed, Frozen, Lost
 from lexstack_experiments.loop import Loop

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.hqp import HqpProblem
-from lexstack_core.linear import LinearTask
+from lexstack.hqp import HqpProblem
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import LinearTask
 from lexstack_experiments.hierarchies.peers import STRICT, installed
 
 INF = np.inf

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.hqp import HqpProblem, blocked, describe
-from lexstack_core.hqp.blocked import _forces
-from lexstack_core.hqp.daqp_cascade import DaqpCascade
-from lexstack_core.linear import LinearTask
+from lexstack.hqp import HqpProblem, blocked, describe
+from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.hqp.diagnosis import _forces
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import LinearTask
 from support.problems import problem
 
 SOLVER = DaqpCascade()

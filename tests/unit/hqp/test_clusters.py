@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.errors import InputError
-from lexstack_core.hqp import ClusteredSolver, HqpProblem, Status
-from lexstack_core.hqp.daqp_cascade import DaqpCascade
-from lexstack_core.hqp.structure import Structure
-from lexstack_core.linear import LinearTask
+from lexstack.errors import InputError
+from lexstack.hqp import ClusteredSolver, HqpProblem, Status
+from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.hqp.coupling import Structure
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import LinearTask
 from support.problems import KINDS, problem, side_by_side
 
 DENSE = DaqpCascade()

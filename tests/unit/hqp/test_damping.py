@@ -5,13 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import Bounds, target_bounds
-from lexstack_core.config.stack import LevelConfig, StackConfig, TaskConfig
-from lexstack_core.hqp import Damper, HqpProblem, blocked, damping, make_solver, regular
-from lexstack_core.hqp.curvature import add_curvature
-from lexstack_core.model import Pose
-from lexstack_core.references import References
-from lexstack_core.stack import build_stack
+from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
+from lexstack.hqp import Damper, HqpProblem, blocked, damping, make_solver, regular
+from lexstack.hqp.curvature import add_curvature
+from lexstack.limits.viable_bounds import Bounds, target_bounds
+from lexstack.references import References
+from lexstack.robots import Pose
+from lexstack.tasks.stack import build_stack
 from support.scenario import home, random_q, state_at, team
 
 BOTH = {"relative_pose": {"other": "robot_b"}}

@@ -5,9 +5,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.hqp import HqpProblem
-from lexstack_core.linear import LinearTask
+from lexstack.hqp import HqpProblem
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import LinearTask
 from support.exact import exact_optimum, exact_slacks
 from support.integers import integer_problem, shape
 from support.oracle import lexicographic_oracle

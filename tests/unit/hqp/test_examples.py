@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.hqp import HqpProblem
-from lexstack_core.hqp.daqp_cascade import DaqpCascade
-from lexstack_core.hqp.proxqp_cascade import ProxqpCascade
-from lexstack_core.linear import LinearTask
+from lexstack.hqp import HqpProblem
+from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.hqp.backends.proxqp import ProxqpCascade
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import LinearTask
 
 SOLVERS = [
     DaqpCascade(),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lexstack_core.hqp.factor import factorise
+from lexstack.hqp.rank_revealing_qr import factorise
 
 SHAPES = [
     (12, 20, 12),

@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.errors import ConfigurationError, InputError
-from lexstack_core.hqp import SOLVERS, HqpProblem, Status, make_solver
-from lexstack_core.hqp import daqp_cascade as daqp_module
-from lexstack_core.hqp import proxqp_cascade as proxqp_module
-from lexstack_core.hqp.cascade import NullSpaceCascade
-from lexstack_core.hqp.daqp_cascade import DaqpBackend, DaqpCascade
-from lexstack_core.hqp.proxqp_cascade import ProxqpCascade
-from lexstack_core.linear import LinearTask
+from lexstack.errors import ConfigurationError, InputError
+from lexstack.hqp import SOLVERS, HqpProblem, Status, make_solver
+from lexstack.hqp.backends import daqp as daqp_module
+from lexstack.hqp.backends import proxqp as proxqp_module
+from lexstack.hqp.backends.daqp import DaqpBackend, DaqpCascade
+from lexstack.hqp.backends.proxqp import ProxqpCascade
+from lexstack.hqp.cascade import NullSpaceCascade
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import LinearTask
 from support.problems import problem
 
 N = 10

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_core.hqp import FallbackSolver, Status, make_solver, refusal
-from lexstack_core.hqp.cascade import NullSpaceCascade
-from lexstack_core.hqp.daqp_cascade import DaqpCascade
+from lexstack.hqp import FallbackSolver, Status, make_solver, refusal
+from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.hqp.cascade import NullSpaceCascade
 from support.problems import problem
 
 GIVEN = problem("tight", 6, 10, 3)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from lexstack_core.hqp.qp import level_qp
-from lexstack_core.hqp.refine import refine
+from lexstack.hqp.level_qp import level_qp
+from lexstack.hqp.refine import refine
 
 
 def level(matrix, target, rows, lower, upper):

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.hqp import SOLVERS, make_solver
+from lexstack.hqp import SOLVERS, make_solver
+from lexstack.limits.viable_bounds import Bounds
 from support.problems import problem
 
 SEQUENCE = [

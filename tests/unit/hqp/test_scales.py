@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.hqp import HqpProblem, Solution, Status, cascade, make_solver, unmet
-from lexstack_core.hqp.daqp_cascade import DaqpCascade
-from lexstack_core.hqp.oracle import OracleSolver
-from lexstack_core.hqp.proxqp_cascade import ProxqpCascade
-from lexstack_core.hqp.quadprog_cascade import QuadprogCascade
-from lexstack_core.linear import LinearTask
+from lexstack.hqp import HqpProblem, Solution, Status, cascade, make_solver, unmet
+from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.hqp.backends.oracle import OracleSolver
+from lexstack.hqp.backends.proxqp import ProxqpCascade
+from lexstack.hqp.backends.quadprog import QuadprogCascade
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import LinearTask
 from support.exact import exact_optimum
 
 INF = np.inf

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc.barrier import LimitBarrier, relaxed, slopes
-from lexstack_core.htmpc.collisions import Collisions, Surroundings
-from lexstack_core.htmpc.stages import StageModel
+from lexstack.errors import InputError
+from lexstack.mpc.barriers import LimitBarrier, relaxed, slopes
+from lexstack.mpc.collision_cost import Collisions, Surroundings
+from lexstack.mpc.stage_kinematics import StageModel
 from support.htmpc import config, robot, sphere_centers
 
 LIMITS = config().limits

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from lexstack_core.htmpc import (
+from lexstack.mpc import (
     HT_ARCH,
     ST_ARCH,
     Htmpc,

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from lexstack_core.htmpc import Start
-from lexstack_core.htmpc.hard_limits import SLACK, HardLimits
-from lexstack_core.htmpc.limited_qp import Holding, LimitedQp
-from lexstack_core.htmpc.qp import CondensedQp
+from lexstack.mpc import Start
+from lexstack.mpc.condensed_qp import CondensedQp
+from lexstack.mpc.hard_limits import SLACK, HardLimits
+from lexstack.mpc.limited_qp import Holding, LimitedQp
 from support.htmpc import optimiser, random_objectives, random_start, robot
 
 

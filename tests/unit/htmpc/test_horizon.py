@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from lexstack_core.htmpc.effort import Effort
-from lexstack_core.htmpc.horizon import Horizon
+from lexstack.mpc.double_integrator import Horizon
+from lexstack.mpc.effort import Effort
 from support.htmpc import config
 
 

@@ -3,9 +3,9 @@
 import pytest
 import yaml
 
-from lexstack_core.config.htmpc import HtmpcConfig, load_htmpc
-from lexstack_core.config.reader import build
-from lexstack_core.errors import ConfigurationError
+from lexstack.config.htmpc import HtmpcConfig, load_htmpc
+from lexstack.config.reader import build
+from lexstack.errors import ConfigurationError
 from lexstack_experiments.baselines.htidkc import load_htidkc
 from support.scenario import CONFIG
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from lexstack_core.errors import ModelError
-from lexstack_core.htmpc.stages import StageModel
+from lexstack.errors import ModelError
+from lexstack.mpc.stage_kinematics import StageModel
 from support.htmpc import ROBOTS, robot, sphere_centers
 
 STEP = 1e-6

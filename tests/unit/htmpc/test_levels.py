@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc import Objective, Outcome, Start, hold, steps
-from lexstack_core.htmpc import level as level_module
-from lexstack_core.htmpc.lexicographic import Guard
-from lexstack_core.htmpc.objectives import Task
-from lexstack_core.htmpc.qp import CondensedQp
+from lexstack.errors import InputError
+from lexstack.mpc import Objective, Outcome, Start, hold, steps
+from lexstack.mpc import level_sqp as level_module
+from lexstack.mpc.condensed_qp import CondensedQp
+from lexstack.mpc.lexicographic_constraints import Guard
+from lexstack.mpc.tracking_objectives import Task
 from support.htmpc import optimiser, random_objectives, random_start, robot
 
 REST = np.zeros(9)

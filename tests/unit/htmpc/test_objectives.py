@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc.objectives import MEASURES, Objective, Task
-from lexstack_core.htmpc.rotations import from_quaternions, log3_all, log_slopes
-from lexstack_core.htmpc.stages import StageModel
-from lexstack_core.rotation import from_quaternion, log3, to_quaternion
+from lexstack.errors import InputError
+from lexstack.mpc.rotations import from_quaternions, log3_all, log_slopes
+from lexstack.mpc.stage_kinematics import StageModel
+from lexstack.mpc.tracking_objectives import MEASURES, Objective, Task
+from lexstack.spatial import from_quaternion, log3, to_quaternion
 from support.htmpc import config, robot
 
 STAGES = config().horizon

@@ -10,9 +10,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from lexstack_core.config.htmpc import EffortConfig
-from lexstack_core.htmpc import Htmpc, Start, Surroundings
-from lexstack_core.htmpc.objectives import Task
+from lexstack.config.htmpc import EffortConfig
+from lexstack.mpc import Htmpc, Start, Surroundings
+from lexstack.mpc.tracking_objectives import Task
 from lexstack_experiments.baselines.htmpc_oracle import HtmpcOracle
 from support.htmpc import config, random_objectives, robot
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lexstack_core.htmpc import Start
+from lexstack.mpc import Start
 from lexstack_experiments.baselines.htmpc_paper import PaperHtmpc
 from support.htmpc import config, optimiser, random_objectives, robot
 

@@ -4,8 +4,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from lexstack_core.htmpc import Htmpc, Surroundings
-from lexstack_core.htmpc.objectives import Task
+from lexstack.mpc import Htmpc, Surroundings
+from lexstack.mpc.tracking_objectives import Task
 from lexstack_experiments.baselines.htmpc_casadi import program
 from support.htmpc import ROBOTS, config, random_objectives, random_start, robot
 

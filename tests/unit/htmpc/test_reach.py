@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from lexstack_core.config.resolved import load_robot, load_scenario
-from lexstack_core.config.scenario import ObstacleConfig
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc import SequenceTask
-from lexstack_core.htmpc.reach import Reach
-from lexstack_core.htmpc.runner import tasks_of
-from lexstack_core.model import Obstacles, RobotModel
-from lexstack_core.rotation import to_quaternion
+from lexstack.config.resolved import load_robot, load_scenario
+from lexstack.config.scenario import ObstacleConfig
+from lexstack.errors import InputError
+from lexstack.mpc import SequenceTask
+from lexstack.mpc.sequence.reach import Reach
+from lexstack.mpc.sequence.runner import tasks_of
+from lexstack.robots import Obstacles, RobotModel
+from lexstack.spatial import to_quaternion
 from support.scenario import CONFIG
 
 NONE = Obstacles({})

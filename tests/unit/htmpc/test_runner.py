@@ -6,14 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from lexstack_core.config.htmpc import load_htmpc
-from lexstack_core.config.resolved import load_robot
-from lexstack_core.config.sequence import SequenceConfig, SequenceTaskConfig
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc import SequenceTask
-from lexstack_core.htmpc.runner import ARCHITECTURES, Change, SequenceRunner, tasks_of
-from lexstack_core.model import RobotModel, Team
-from lexstack_core.state import RobotState
+from lexstack.config.htmpc import load_htmpc
+from lexstack.config.resolved import load_robot
+from lexstack.config.sequence import SequenceConfig, SequenceTaskConfig
+from lexstack.errors import InputError
+from lexstack.mpc import SequenceTask
+from lexstack.mpc.sequence.runner import ARCHITECTURES, Change, SequenceRunner, tasks_of
+from lexstack.robots import RobotModel, Team
+from lexstack.state import RobotState
 from support.scenario import CONFIG, changed, resolved
 
 DT, EVERY = 0.01, 5

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc import HT_ARCH, ST_ARCH, Present, Sequence, SequenceTask
-from lexstack_core.model import Pose
+from lexstack.errors import InputError
+from lexstack.mpc import HT_ARCH, ST_ARCH, Present, Sequence, SequenceTask
+from lexstack.robots import Pose
 
 LINE = SequenceTask("line", "base_position", ((2.0, 0.0),), speed=0.5, tolerance=0.05)
 HAND = SequenceTask("hand", "ee_position", ((2.0, 1.0, 0.8),), tolerance=0.02, dwell=1.0)

@@ -7,9 +7,9 @@ import typing
 import pytest
 import yaml
 
-from lexstack_core.config.sequence import SequenceTaskConfig
-from lexstack_core.htmpc import SequenceTask
-from lexstack_core.htmpc.objectives import MEASURES, Kind
+from lexstack.config.sequence import SequenceTaskConfig
+from lexstack.mpc import SequenceTask
+from lexstack.mpc.tracking_objectives import MEASURES, Kind
 from lexstack_interfaces.msg import SequenceTask as Message
 from support.scenario import ROOT
 
@@ -51,9 +51,7 @@ def test_the_schema_has_the_defaults_of_the_library(name):
 
 
 def test_units_of_the_table_are_those_of_the_schema():
-    source = (ROOT / "ros2_ws/src/lexstack_core/lexstack_core/config/sequence.py").read_text(
-        "utf-8"
-    )
+    source = (ROOT / "ros2_ws/src/lexstack/lexstack/config/sequence.py").read_text("utf-8")
     for name, _, unit, *_ in table("key"):
         if unit and name != "points":
             (comment,) = re.findall(rf"^    {name}: .*# (\S+)", source, flags=re.MULTILINE)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc import Trajectory, base_path, ee_path, hold, steps
-from lexstack_core.htmpc.rotations import from_quaternions, log3_all
-from lexstack_core.rotation import to_quaternion
+from lexstack.errors import InputError
+from lexstack.mpc import Trajectory, base_path, ee_path, hold, steps
+from lexstack.mpc.rotations import from_quaternions, log3_all
+from lexstack.spatial import to_quaternion
 
 
 def test_a_base_line_keeps_its_speed_and_turns_the_short_way():

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import PoseStamped
 
-from lexstack_core.errors import InputError
-from lexstack_core.model import Pose
-from lexstack_core.rotation import from_rpy, to_quaternion
-from lexstack_core.transition.status import Announcement
+from lexstack.errors import InputError
+from lexstack.robots import Pose
+from lexstack.spatial import from_rpy, to_quaternion
+from lexstack.transition.messages import Announcement
 from lexstack_experiments.loop import Loop
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
-from lexstack_ros import conversions
+from lexstack_ros.messages import conversions
 from support.scenario import home, resolved, team
 
 
@@ -86,7 +86,7 @@ def test_a_command_and_its_transition_go_out():
 
 
 def test_phases_have_the_numbers_of_the_message():
-    from lexstack_core.transition.status import Phase
+    from lexstack.transition.messages import Phase
 
     for phase in Phase:
         assert getattr(TransitionStatus, phase.name) == phase.value

@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from lexstack_ros.commands import bringup, demo
+from lexstack_bringup.commands import bringup, demo
 from support.stack_files import LEVELS, folder
 
 # What is written, into which file, and what the line must name.

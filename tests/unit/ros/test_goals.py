@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc import SequenceTask
+from lexstack.errors import InputError
+from lexstack.mpc import SequenceTask
 from lexstack_interfaces.action import ExecuteSequence
-from lexstack_ros.jobs import base_at, wanted_of
-from lexstack_ros.plan_conversions import task_message
+from lexstack_ros.messages.plans import task_message
+from lexstack_ros.planner.goals import base_at, wanted_of
 from support.scenario import home, state_at, team
 
 EVERY = 5  # ticks from plan to plan

@@ -3,9 +3,9 @@
 import pytest
 import yaml
 
-from lexstack_core.errors import ConfigurationError
-from lexstack_ros.commands.bringup import _KNOWN
-from lexstack_ros.hosts import load_hosts
+from lexstack.errors import ConfigurationError
+from lexstack_bringup.commands.bringup import _KNOWN
+from lexstack_bringup.hosts import load_hosts
 from support.scenario import CONFIG
 
 FILES = sorted((CONFIG / "hosts").glob("*.yaml"))

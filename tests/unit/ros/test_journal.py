@@ -6,10 +6,10 @@ import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
-from lexstack_core.transition.status import Phase, Source, TransitionState
-from lexstack_ros.diagnostics import Diagnostics, Health, brief
-from lexstack_ros.journal import Journal
-from lexstack_ros.watch import Watch
+from lexstack.transition.messages import Phase, Source, TransitionState
+from lexstack_ros.node.absence import Journal
+from lexstack_ros.node.diagnostics import Diagnostics, Health, brief
+from lexstack_ros.node.peer_watch import Watch
 
 
 def told(reason):

@@ -8,10 +8,10 @@ from geometry_msgs.msg import Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc import Plan, SequenceTask
+from lexstack.errors import InputError
+from lexstack.mpc import Plan, SequenceTask
 from lexstack_interfaces.msg import SequenceTask as TaskMessage
-from lexstack_ros.plan_conversions import (
+from lexstack_ros.messages.plans import (
     joint_names,
     plan_message,
     task_message,

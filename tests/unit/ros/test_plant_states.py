@@ -8,10 +8,10 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
 from rclpy.serialization import serialize_message
 
+from lexstack_bringup.domain import own_domain
 from lexstack_interfaces.msg import PlantState
-from lexstack_ros.domain import own_domain
-from lexstack_ros.plant_states import PlantStates
-from lexstack_ros.qos import STREAM
+from lexstack_ros.intake.plant_states import PlantStates
+from lexstack_ros.messages.qos import STREAM
 from support.scenario import home, team
 
 

@@ -9,9 +9,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from lexstack_ros import domain
-from lexstack_ros.domain import NoDomainError, own_domain
-from lexstack_ros.supervisor import ChildDiedError, NotReadyError, Supervisor
+from lexstack_bringup import domain
+from lexstack_bringup.domain import NoDomainError, own_domain
+from lexstack_bringup.supervisor import ChildDiedError, NotReadyError, Supervisor
 from support.leftovers import is_alive
 
 # A shell that starts the tests in the background lets them ignore SIGINT, and so their children.
@@ -107,11 +107,12 @@ def test_a_stubborn_and_a_stopped_child_are_ended_all_the_same(supervisor):
 def test_children_do_not_outlive_a_supervisor_that_is_killed(tmp_path):
     child = tmp_path / "child_orphan.py"
     child.write_text(
-        "from lexstack_ros.supervisor import end_with_supervisor\nend_with_supervisor()\n" + READY,
+        "from lexstack_ros.node.parent import end_with_supervisor\nend_with_supervisor()\n" + READY,
         encoding="utf-8",
     )
     parent = (
-        "from pathlib import Path\nfrom lexstack_ros.supervisor import Supervisor\nimport time\n"
+        "import time\nfrom pathlib import Path\n"
+        "from lexstack_bringup.supervisor import Supervisor\n"
         f"s = Supervisor(Path({str(tmp_path / 'logs')!r}))\n"
         "c = s.start('orphan', 'child_orphan')\ns.wait_printed(['orphan'], 'ready', 20.0)\n"
         "print(c.process.pid, flush=True)\ntime.sleep(60)\n"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lexstack_ros.recording import Tap, matching_qos
+from lexstack_ros.recorder.topics import Tap, matching_qos
 
 
 class Node:

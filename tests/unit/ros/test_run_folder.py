@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from lexstack_core.errors import ConfigurationError
-from lexstack_ros.commands.demo import run_folder
+from lexstack.errors import ConfigurationError
+from lexstack_bringup.commands.demo import run_folder
 
 
 def test_a_folder_of_another_account_is_told_with_its_owner_and_what_to_do(tmp_path, monkeypatch):

@@ -2,11 +2,11 @@
 
 import pytest
 
-from lexstack_core.errors import InputError
-from lexstack_ros.diagnostics import Meter, first
-from lexstack_ros.senders import SoleSender
-from lexstack_ros.sequence import TickOrder
-from lexstack_ros.staleness import Delays
+from lexstack.errors import InputError
+from lexstack_ros.intake.delays import Delays
+from lexstack_ros.intake.tick_order import TickOrder
+from lexstack_ros.node.diagnostics import Meter, first
+from lexstack_ros.node.sole_sender import SoleSender
 
 
 class Clock:

@@ -8,8 +8,8 @@ import sys
 
 import pytest
 
-from lexstack_ros import shared_memory
-from lexstack_ros.shared_memory import FOLDER, abandoned, remove_abandoned
+from lexstack_bringup import shared_memory
+from lexstack_bringup.shared_memory import FOLDER, abandoned, remove_abandoned
 from support.leftovers import our_processes, what_is_left
 
 SEGMENT, PORT = "fastrtps_0123456789abcdef", "fastrtps_port7413"

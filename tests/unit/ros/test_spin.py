@@ -3,8 +3,8 @@
 import pytest
 import rclpy
 
-from lexstack_core.errors import ConfigurationError
-from lexstack_ros.spin import begin_ros, beside
+from lexstack.errors import ConfigurationError
+from lexstack_ros.node.spin import begin_ros, beside
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from lexstack_core.build import build_references
-from lexstack_core.model import Team
+from lexstack.control.factory import build_references
+from lexstack.robots import Team
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.view.hub import Hub
 from lexstack_ros.view.news import news

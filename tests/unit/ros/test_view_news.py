@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from lexstack_core.build import build_references
+from lexstack.control.factory import build_references
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.view.news import news
 from support.scenario import resolved, team

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack_core.errors import InputError
+from lexstack.errors import InputError
 from lexstack_ros.view.orders import Cancel, NewTarget, Push, Switch, read_order
 
 ROBOTS, STACKS = ("robot_a", "robot_b"), ("posture", "track")

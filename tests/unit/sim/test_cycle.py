@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lexstack_core.errors import InputError
-from lexstack_sim.cycle import Cycle
-from lexstack_sim.memory import Status
-from lexstack_sim.pacing import Pacer
+from lexstack.errors import InputError
+from lexstack_plant.pacing import Pacer
+from lexstack_plant.tick_cycle import Cycle
+from lexstack_sim.plant_state import Status
 from support.plants import make_plant
 
 LAST = 5

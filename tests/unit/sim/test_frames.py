@@ -9,7 +9,7 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from rosbags.typesys import Stores, get_typestore
 
-from lexstack_sim.topics import tie_frames, tied
+from lexstack_plant.topics import tie_frames, tied
 from lexstack_sim.urdf import robot_urdf
 from support.scenario import team
 

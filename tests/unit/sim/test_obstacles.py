@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from lexstack_core.config.scenario import ObstacleConfig, PlacementConfig
-from lexstack_core.errors import ModelError
-from lexstack_core.model import Team
+from lexstack.config.scenario import ObstacleConfig, PlacementConfig
+from lexstack.errors import ModelError
+from lexstack.robots import Team
 from lexstack_sim.contacts import OBSTACLE, robot_masks
 from lexstack_sim.obstacles import Clearance, obstacle_name
 from lexstack_sim.plant import Plant

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from lexstack_sim.pacing import Pacer
+from lexstack_plant.pacing import Pacer
 
 PERIOD, PATIENCE = 0.01, 2.0
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lexstack_core.model import Pose
-from lexstack_core.model.description import description_path
+from lexstack.robots import Pose
+from lexstack.robots.assembly import description_path
 from lexstack_sim import render
 from lexstack_sim.collada import read_collada
 from support.scenario import resolved, team

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lexstack_core.config.resolved import load_robot
-from lexstack_core.config.scenario import ObstacleConfig, PlacementConfig
-from lexstack_core.model import Team
+from lexstack.config.resolved import load_robot
+from lexstack.config.scenario import ObstacleConfig, PlacementConfig
+from lexstack.robots import Team
 from lexstack_sim.scene import scene
 from support.scenario import resolved
 

@@ -1,6 +1,6 @@
 """The error that recordings raise."""
 
-from lexstack_core.errors import LexstackError
+from lexstack.errors import LexstackError
 
 
 class BagError(LexstackError):

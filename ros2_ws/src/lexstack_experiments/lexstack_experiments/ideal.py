@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.linear import Vector
-from lexstack_core.model import Team
-from lexstack_core.state import RobotState
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.robots import Team
+from lexstack.state import RobotState
+from lexstack.types import Vector
 
 
 class IdealPlant:

@@ -9,16 +9,16 @@ from typing import Protocol
 
 import numpy as np
 
-from lexstack_core.build import Parts, build_controller, build_stack_solver
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.config.scenario import EventConfig
-from lexstack_core.controller import Command, Controller
-from lexstack_core.hqp import Solution
-from lexstack_core.linear import Vector
-from lexstack_core.model import Kinematics, Team
-from lexstack_core.references import References, Target, pose_from_config
-from lexstack_core.state import RobotState
-from lexstack_core.transition.status import Announcement, SourceSample, SourceSchedule
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.config.scenario import EventConfig
+from lexstack.control.controller import Command, Controller
+from lexstack.control.factory import Parts, build_controller, build_stack_solver
+from lexstack.hqp import Solution
+from lexstack.references import References, Target, pose_from_config
+from lexstack.robots import Kinematics, Team
+from lexstack.state import RobotState
+from lexstack.transition.messages import Announcement, SourceSample, SourceSchedule
+from lexstack.types import Vector
 from lexstack_sim.plant import Plant
 
 AskB = Callable[[Announcement, RobotState, References], SourceSample | None]

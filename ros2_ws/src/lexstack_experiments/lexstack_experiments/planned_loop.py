@@ -7,17 +7,17 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.config.sequence import SequenceChangeConfig
-from lexstack_core.config.stack import plan_stack
-from lexstack_core.controller import Command
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc import SequenceTask
-from lexstack_core.htmpc.runner import ARCHITECTURES, Change, Progress, SequenceRunner, tasks_of
-from lexstack_core.references import References
-from lexstack_core.state import RobotState
-from lexstack_core.transition.plan_book import HeardPlan
-from lexstack_core.transition.status import Announcement, SourceSample
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.config.sequence import SequenceChangeConfig
+from lexstack.config.stack import plan_stack
+from lexstack.control.controller import Command
+from lexstack.errors import InputError
+from lexstack.mpc import SequenceTask
+from lexstack.mpc.sequence.runner import ARCHITECTURES, Change, Progress, SequenceRunner, tasks_of
+from lexstack.references import References
+from lexstack.state import RobotState
+from lexstack.transition.messages import Announcement, SourceSample
+from lexstack.transition.sources.mpc_plans import HeardPlan
 from lexstack_experiments.loop import AnyPlant, Loop
 
 _AHEAD = 2  # plans between the end of a sequence and the tick at which robot A goes back

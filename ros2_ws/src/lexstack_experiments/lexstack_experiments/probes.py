@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any, TypeVar
 
-from lexstack_core.build import Parts, build_controller
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.controller import Controller
-from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, make_solver
-from lexstack_core.model import Team
-from lexstack_core.stack import Level
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.control.controller import Controller
+from lexstack.control.factory import Parts, build_controller
+from lexstack.hqp import HqpProblem, HqpSolver, Solution, make_solver
+from lexstack.robots import Team
+from lexstack.tasks.stack import Level
 
 T = TypeVar("T")
 

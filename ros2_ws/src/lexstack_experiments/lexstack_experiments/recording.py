@@ -9,7 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_bag.run import (
+from lexstack.control.controller import Command
+from lexstack.references import Target as ScheduledTarget
+from lexstack.robots import Team
+from lexstack.spatial import to_quaternion
+from lexstack.types import Matrix, Vector
+from lexstack_bag.run.run import (
     ChiStream,
     PlantStream,
     Run,
@@ -18,11 +23,6 @@ from lexstack_bag.run import (
     TransitionStream,
     read_only,
 )
-from lexstack_core.controller import Command
-from lexstack_core.linear import Matrix, Vector
-from lexstack_core.model import Team
-from lexstack_core.references import Target as ScheduledTarget
-from lexstack_core.rotation import to_quaternion
 from lexstack_experiments.loop import Loop
 
 

@@ -9,12 +9,12 @@ from time import perf_counter
 
 import numpy as np
 
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.controller import Command, Controller
-from lexstack_core.linear import Vector
-from lexstack_core.model import Team
-from lexstack_core.state import RobotState
-from lexstack_core.transition.status import Source, SourceSample
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.control.controller import Command, Controller
+from lexstack.robots import Team
+from lexstack.state import RobotState
+from lexstack.transition.messages import Source, SourceSample
+from lexstack.types import Vector
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop, targets_of
 

@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from lexstack_bag.container import Progress
-from lexstack_bag.definitions import message_definition
-from lexstack_bag.facts import run_facts
-from lexstack_bag.metadata import Qos, Topic
-from lexstack_bag.writer import BagWriter
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.linear import Vector
-from lexstack_core.model import Team
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.robots import Team
+from lexstack.types import Vector
+from lexstack_bag.run.provenance import run_facts
+from lexstack_bag.storage.container import Progress
+from lexstack_bag.storage.definitions import message_definition
+from lexstack_bag.storage.metadata import Qos, Topic
+from lexstack_bag.storage.writer import BagWriter
 
 _EPOCH = 1_700_000_000_000_000_000  # ns
 _SWITCH, _BLEND = 6000, 100  # ticks between two switches, ticks of a blend

@@ -14,21 +14,21 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from lexstack_bag.compare import Comparison, compare_metrics
-from lexstack_bag.compare import summary_lines as difference_lines
+from lexstack.errors import LexstackError
 from lexstack_bag.errors import BagError
-from lexstack_bag.export import write_csv, write_parquet
-from lexstack_bag.goals import summary_lines
-from lexstack_bag.measures import Measures, measure
-from lexstack_bag.metrics import Metrics, compute_metrics
-from lexstack_bag.phases import Phase, find_phases
+from lexstack_bag.figures.compare import Comparison, compare_metrics
+from lexstack_bag.figures.compare import summary_lines as difference_lines
+from lexstack_bag.figures.export import write_csv, write_parquet
+from lexstack_bag.figures.figures import Metrics, compute_metrics
+from lexstack_bag.figures.goals import summary_lines
+from lexstack_bag.figures.phases import Phase, find_phases
+from lexstack_bag.figures.series import Measures, measure
 from lexstack_bag.progress import ProgressBar
-from lexstack_bag.reader import read_parts
 from lexstack_bag.report.build import write_report
 from lexstack_bag.report.comparison import Side, write_comparison
 from lexstack_bag.report.video import write_video
-from lexstack_bag.run import Run
-from lexstack_core.errors import LexstackError
+from lexstack_bag.run.reader import read_parts
+from lexstack_bag.run.run import Run
 
 BAD_ARGUMENT, INTERRUPTED = 2, 130
 _MOST_PARTS = 20  # of a bag with resets, besides the last one

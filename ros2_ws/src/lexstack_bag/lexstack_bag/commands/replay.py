@@ -13,18 +13,18 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from lexstack.errors import LexstackError
 from lexstack_bag.commands.analyze import run_folder
 from lexstack_bag.errors import BagError
 from lexstack_bag.progress import ProgressBar
-from lexstack_bag.reader import read_run
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.nodes import REPLAYERS, recorded_nodes
 from lexstack_bag.replay.outcome import Outcome
 from lexstack_bag.replay.planner import PLANNER
 from lexstack_bag.replay.question import Question
-from lexstack_bag.run import Run
-from lexstack_bag.wholeness import other_parts
-from lexstack_core.errors import LexstackError
+from lexstack_bag.run.reader import read_run
+from lexstack_bag.run.run import Run
+from lexstack_bag.run.wholeness import other_parts
 
 DIFFERENT, BAD_ARGUMENT, INTERRUPTED = 1, 2, 130
 

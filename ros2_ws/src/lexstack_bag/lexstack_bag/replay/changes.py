@@ -8,10 +8,10 @@ from typing import Any
 
 import yaml
 
-from lexstack_core.config.reader import build, plain
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.errors import ConfigurationError
-from lexstack_core.transition.methods import METHODS
+from lexstack.config.reader import build, plain
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.errors import ConfigurationError
+from lexstack.transition.methods import METHODS
 
 _ROOTS = ("scenario", "robots", "stacks", "htmpc")
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from lexstack.config.scenario import ScenarioConfig
+from lexstack.control.factory import build_references
+from lexstack.references import References, ReferenceSchedule, Setting, measured
+from lexstack.robots import Team
+from lexstack.state import RobotState
 from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.states import targets_of
-from lexstack_core.build import build_references
-from lexstack_core.config.scenario import ScenarioConfig
-from lexstack_core.model import Team
-from lexstack_core.references import References, ReferenceSchedule, Setting, measured
-from lexstack_core.state import RobotState
 
 
 class Decisions:

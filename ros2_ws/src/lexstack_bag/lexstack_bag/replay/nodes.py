@@ -13,8 +13,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from lexstack_bag.measures import COMMANDER
-from lexstack_bag.parts import robots_of
+from lexstack.control.controller import Controller
+from lexstack.control.factory import Parts, build_controller, build_stack_solver
+from lexstack.tasks.stack import Stack
+from lexstack.transition.robot_group import Columns
+from lexstack.types import Matrix, Vector
+from lexstack_bag.figures.series import COMMANDER
 from lexstack_bag.replay.decisions import Decisions
 from lexstack_bag.replay.outcome import Outcome, joints_of
 from lexstack_bag.replay.planner import PLANNER, heard_plans, replay_planner
@@ -22,12 +26,8 @@ from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.requests import Ask, Cancel, requests_of
 from lexstack_bag.replay.source import SOLVER, LiveSource, RecordedSource, Source
 from lexstack_bag.replay.states import EVER, States, all_of, begun_at
-from lexstack_bag.run import ChiStream, Run
-from lexstack_core.build import Parts, build_controller, build_stack_solver
-from lexstack_core.controller import Controller
-from lexstack_core.linear import Matrix, Vector
-from lexstack_core.stack import Stack
-from lexstack_core.transition.part import Columns
+from lexstack_bag.run.partial_chi import robots_of
+from lexstack_bag.run.run import ChiStream, Run
 
 __all__ = ["REPLAYERS", "Question", "recorded_nodes", "replay_controller", "replay_solver"]
 

@@ -11,10 +11,10 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
-from lexstack_bag.columns import seconds
-from lexstack_bag.container import RawMessage
-from lexstack_bag.planning import PLAN
-from lexstack_bag.reader import PLANT_STATE
+from lexstack_bag.run.columns import seconds
+from lexstack_bag.run.plan_topics import PLAN
+from lexstack_bag.run.reader import PLANT_STATE
+from lexstack_bag.storage.container import RawMessage
 
 ANSWERS = ("/robot_b/chi", PLAN)
 """What robot A waits for, with the stamp of the state that it answers."""

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_bag.run import Integers
-from lexstack_core.linear import Matrix, Vector
-from lexstack_core.model import Team
+from lexstack.robots import Team
+from lexstack.types import Matrix, Vector
+from lexstack_bag.run.run import Integers
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from lexstack.types import Vector
 from lexstack_bag.replay.outcome import Outcome
-from lexstack_core.linear import Vector
 
 mpl.use("Agg")
 

@@ -10,18 +10,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from lexstack.errors import InputError
+from lexstack.mpc import SequenceTask
+from lexstack.mpc.sequence.runner import ARCHITECTURES, Change, SequenceRunner
+from lexstack.robots import Team
+from lexstack.state import RobotState
+from lexstack.transition.sources.mpc_plans import HeardPlan
+from lexstack.types import Matrix, Vector
 from lexstack_bag.errors import BagError
 from lexstack_bag.replay.outcome import Joint, Outcome, joints_of
 from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.states import Arrivals, States
-from lexstack_bag.run import Planning, PlanStream, Run, SequenceEvent
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc import SequenceTask
-from lexstack_core.htmpc.runner import ARCHITECTURES, Change, SequenceRunner
-from lexstack_core.linear import Matrix, Vector
-from lexstack_core.model import Team
-from lexstack_core.state import RobotState
-from lexstack_core.transition.plan_book import HeardPlan
+from lexstack_bag.run.run import Planning, PlanStream, Run, SequenceEvent
 
 PLANNER = "htmpc"
 

@@ -7,15 +7,15 @@ from typing import Protocol
 
 import numpy as np
 
-from lexstack_bag.parts import robots_of
+from lexstack.control.controller import Controller
+from lexstack.control.factory import Parts, build_stack_solver
+from lexstack.robots import Team
+from lexstack.state import RobotState
+from lexstack.transition.messages import Announcement, SourceSample, SourceSchedule
 from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.states import Arrivals, all_of
-from lexstack_bag.run import ChiStream, Run, SolveStatus
-from lexstack_core.build import Parts, build_stack_solver
-from lexstack_core.controller import Controller
-from lexstack_core.model import Team
-from lexstack_core.state import RobotState
-from lexstack_core.transition.status import Announcement, SourceSample, SourceSchedule
+from lexstack_bag.run.partial_chi import robots_of
+from lexstack_bag.run.run import ChiStream, Run, SolveStatus
 
 SOLVER = "robot_b"
 """Whose chi robot B sends."""

@@ -7,12 +7,12 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from lexstack_bag.parts import concatenated, rows_of
-from lexstack_bag.references import scheduled
-from lexstack_bag.run import ChiStream, Integers, Run
-from lexstack_core.model import Team
-from lexstack_core.references import Target as ScheduledTarget
-from lexstack_core.state import RobotState
+from lexstack.references import Target as ScheduledTarget
+from lexstack.robots import Team
+from lexstack.state import RobotState
+from lexstack_bag.run.partial_chi import concatenated, rows_of
+from lexstack_bag.run.references import scheduled
+from lexstack_bag.run.run import ChiStream, Integers, Run
 
 T = TypeVar("T")
 

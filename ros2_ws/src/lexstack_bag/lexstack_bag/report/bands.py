@@ -8,7 +8,7 @@ from dataclasses import replace
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.layout import TIME
 from lexstack_bag.report.traces import Plain
-from lexstack_bag.wholeness import Band
+from lexstack_bag.run.wholeness import Band
 
 _COLORS = {"braking": "rgba(213, 94, 0, 0.20)", "holding": "rgba(230, 159, 0, 0.22)"}
 _NAMES = {"braking": "plant braking", "holding": "plant holding the last command"}

@@ -13,7 +13,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import ArrayLike
 
-from lexstack_bag.phases import Phase
+from lexstack_bag.figures.phases import Phase
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.layout import TIME, single, stacked
 from lexstack_bag.report.traces import DASHES, GREY, SERIES, Plain, extremes, typed

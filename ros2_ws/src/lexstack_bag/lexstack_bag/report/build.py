@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from lexstack_bag.measures import Measures
-from lexstack_bag.metrics import Metrics
-from lexstack_bag.phases import Phase
+from lexstack_bag.figures.figures import Metrics
+from lexstack_bag.figures.phases import Phase
+from lexstack_bag.figures.series import Measures
 from lexstack_bag.report import control, motion, sequences, switches, view
 from lexstack_bag.report.bands import with_bands
 from lexstack_bag.report.page import page
 from lexstack_bag.report.pictures import pictures
 from lexstack_bag.report.traces import Grid
-from lexstack_bag.run import Run
-from lexstack_bag.wholeness import bands_of
+from lexstack_bag.run.run import Run
+from lexstack_bag.run.wholeness import bands_of
 
 
 def write_report(

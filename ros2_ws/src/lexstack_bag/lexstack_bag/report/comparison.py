@@ -12,9 +12,10 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from lexstack_bag.compare import MESSAGES, TROUBLE, Comparison, Difference
-from lexstack_bag.measures import COMMANDER, Measures
-from lexstack_bag.phases import Phase
+from lexstack.types import Vector
+from lexstack_bag.figures.compare import MESSAGES, TROUBLE, Comparison, Difference
+from lexstack_bag.figures.phases import Phase
+from lexstack_bag.figures.series import COMMANDER, Measures
 from lexstack_bag.report import control, tables
 from lexstack_bag.report.bands import with_bands
 from lexstack_bag.report.figure import Figure
@@ -22,9 +23,8 @@ from lexstack_bag.report.html import render
 from lexstack_bag.report.layout import level, stacked
 from lexstack_bag.report.page import document, figure_html
 from lexstack_bag.report.traces import ROBOTS, SERIES, VERMILLION, Plain, extremes, line, typed
-from lexstack_bag.run import Names, Run
-from lexstack_bag.wholeness import Band, bands_of
-from lexstack_core.linear import Vector
+from lexstack_bag.run.run import Names, Run
+from lexstack_bag.run.wholeness import Band, bands_of
 
 _BEFORE = 0.5  # s, shown before a switch
 _MOST_SAMPLES = 2500  # of one trace

@@ -9,8 +9,8 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from lexstack_bag.measures import COMMANDER, Measures
-from lexstack_bag.phases import Phase
+from lexstack_bag.figures.phases import Phase
+from lexstack_bag.figures.series import COMMANDER, Measures
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.layout import level, stacked
 from lexstack_bag.report.traces import (
@@ -27,7 +27,7 @@ from lexstack_bag.report.traces import (
     Plain,
     line,
 )
-from lexstack_bag.run import Run, TransitionPhase
+from lexstack_bag.run.run import Run, TransitionPhase
 
 _BASE_NAMES = ("base x", "base y", "base yaw")
 _LEAST = 1e-9  # m/s, rad/s: a logarithm has no zero

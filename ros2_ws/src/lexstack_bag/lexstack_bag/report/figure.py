@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lexstack_bag.phases import Phase
+from lexstack_bag.figures.phases import Phase
 from lexstack_bag.report.traces import Plain
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from lexstack_bag.phases import Phase
+from lexstack_bag.figures.phases import Phase
 from lexstack_bag.report.figure import letters
 from lexstack_bag.report.traces import GREY, Plain
 

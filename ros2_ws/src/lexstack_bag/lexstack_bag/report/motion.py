@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lexstack_bag.measures import Measures
-from lexstack_bag.phases import Phase
+from lexstack_bag.figures.phases import Phase
+from lexstack_bag.figures.series import Measures
 from lexstack_bag.report.blocks import Path, Span, paths_from_above, timeline
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.layout import level, stacked
 from lexstack_bag.report.traces import BLUE, DASHES, GREEN, ROBOTS, VERMILLION, Grid, line
-from lexstack_bag.run import Run
+from lexstack_bag.run.run import Run
 
 _AXES = (("x", BLUE), ("y", VERMILLION))
 

@@ -7,16 +7,16 @@ from dataclasses import replace
 
 from markupsafe import Markup
 
-from lexstack_bag.goals import held_back
-from lexstack_bag.metrics import STEADY_WINDOW, Metrics
+from lexstack_bag.figures.figures import STEADY_WINDOW, Metrics
+from lexstack_bag.figures.goals import held_back
+from lexstack_bag.figures.settling import SETTLED_BAND
 from lexstack_bag.report import inline, sequences, tables
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.html import json_text, new_nonce, plot_text, policy, render, trusted
 from lexstack_bag.report.layout import with_room
 from lexstack_bag.report.pictures import Picture
-from lexstack_bag.run import Run
-from lexstack_bag.settling import SETTLED_BAND
-from lexstack_bag.wholeness import other_parts
+from lexstack_bag.run.run import Run
+from lexstack_bag.run.wholeness import other_parts
 
 
 def page(

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from markupsafe import Markup
 
-from lexstack_bag.measures import Measures
-from lexstack_bag.phases import Phase
+from lexstack_bag.figures.phases import Phase
+from lexstack_bag.figures.series import Measures
 from lexstack_bag.report.figure import letters
-from lexstack_bag.run import Run
+from lexstack_bag.run.run import Run
 
 _QUALITY = 88  # of the JPEG
 _MOST = 8  # pictures

@@ -7,17 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 from markupsafe import Markup
 
-from lexstack_bag.measures import Measures
-from lexstack_bag.metrics import Metrics
-from lexstack_bag.phases import Phase
+from lexstack.types import Matrix, Vector
+from lexstack_bag.figures.figures import Metrics
+from lexstack_bag.figures.phases import Phase
+from lexstack_bag.figures.series import Measures
 from lexstack_bag.report.blocks import Path, Span, paths_from_above, series, timeline
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.html import render
 from lexstack_bag.report.tables import number, table
 from lexstack_bag.report.traces import ROBOTS, SERIES
-from lexstack_bag.run import ProgressStream, Run
-from lexstack_bag.sequences import STEADY_WINDOW, SequenceMetrics, goals_in
-from lexstack_core.linear import Matrix, Vector
+from lexstack_bag.run.run import ProgressStream, Run
+from lexstack_bag.run.sequences import STEADY_WINDOW, SequenceMetrics, goals_in
 
 _LEAST = 1e-3  # mm: a logarithm has no zero
 _PLACES = 1e-3  # m, goals nearer to each other are one

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from lexstack_bag.measures import COMMANDER
-from lexstack_bag.parts import joined
-from lexstack_bag.phases import Phase
+from lexstack.robots import RobotModel
+from lexstack_bag.figures.phases import Phase
+from lexstack_bag.figures.series import COMMANDER
 from lexstack_bag.report.figure import Figure, letters
 from lexstack_bag.report.layout import grid as grid_layout
 from lexstack_bag.report.layout import vertical
 from lexstack_bag.report.traces import JOINTS, Grid, Plain, line
-from lexstack_bag.run import Run
-from lexstack_core.model import RobotModel
+from lexstack_bag.run.partial_chi import joined
+from lexstack_bag.run.run import Run
 
 SOURCE = "robot_b"  # whose chi is the target of a transition
 _BASE_NAMES = ("x", "y", "yaw")

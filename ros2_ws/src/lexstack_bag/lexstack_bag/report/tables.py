@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from markupsafe import Markup
 
-from lexstack_bag.goals import blend_text, goals_of, settled_text
-from lexstack_bag.levels import UNMET
-from lexstack_bag.metrics import Metrics, PerRobot
-from lexstack_bag.relations import TITLES
+from lexstack_bag.figures.figures import Metrics, PerRobot
+from lexstack_bag.figures.goals import blend_text, goals_of, settled_text
+from lexstack_bag.figures.levels import UNMET
+from lexstack_bag.figures.relative_errors import TITLES
 from lexstack_bag.report.html import render
 
 _CLASSES = {"reached": "yes", "not reached": "no"}  # of the verdicts; the others: none

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_bag.run import Run
+from lexstack_bag.run.run import Run
 
 Plain = dict[str, Any]
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from lexstack.types import Vector
 from lexstack_bag.errors import BagError
-from lexstack_bag.measures import Measures
-from lexstack_bag.phases import Phase
-from lexstack_bag.run import Run
-from lexstack_core.linear import Vector
+from lexstack_bag.figures.phases import Phase
+from lexstack_bag.figures.series import Measures
+from lexstack_bag.run.run import Run
 
 _FPS = 25
 _SIZE = (960, 544)  # pixels; a codec's blocks have 16

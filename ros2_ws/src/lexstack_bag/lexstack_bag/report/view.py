@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from lexstack_bag.measures import Measures
-from lexstack_bag.phases import Phase
+from lexstack.spatial import to_quaternion
+from lexstack.types import Vector
+from lexstack_bag.figures.phases import Phase
+from lexstack_bag.figures.series import Measures
 from lexstack_bag.report.figure import letters
 from lexstack_bag.report.html import json_text, render
 from lexstack_bag.report.traces import ROBOTS, Plain
-from lexstack_bag.run import Run, TransitionPhase
-from lexstack_core.linear import Vector
-from lexstack_core.rotation import to_quaternion
+from lexstack_bag.run.run import Run, TransitionPhase
 
 _MOST_FRAMES = 6000  # 100 a second for a minute; the viewer goes evenly from one to the next
 _MOST_POINTS = 3000  # of a path

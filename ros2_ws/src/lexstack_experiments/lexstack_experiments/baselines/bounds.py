@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack_core.bounds import Bounds, JointLimits
-from lexstack_core.linear import Vector
+from lexstack.limits.viable_bounds import Bounds, JointLimits
+from lexstack.types import Vector
 
 
 def t31(position: Vector, limits: JointLimits, dt: float, applied: Vector) -> Bounds:

@@ -12,15 +12,15 @@ from pathlib import Path
 
 import numpy as np
 
-from lexstack_core.bounds import viable_bounds
-from lexstack_core.config.checks import not_negative, positive
-from lexstack_core.config.reader import build, read_yaml
-from lexstack_core.errors import ConfigurationError
-from lexstack_core.hqp import HqpProblem, Solution, make_solver
-from lexstack_core.htmpc.objectives import MEASURES, Kind
-from lexstack_core.htmpc.stages import StageModel
-from lexstack_core.linear import LinearTask, Vector
-from lexstack_core.model import RobotModel
+from lexstack.config.checks import not_negative, positive
+from lexstack.config.reader import build, read_yaml
+from lexstack.errors import ConfigurationError
+from lexstack.hqp import HqpProblem, Solution, make_solver
+from lexstack.limits.viable_bounds import viable_bounds
+from lexstack.mpc.stage_kinematics import StageModel
+from lexstack.mpc.tracking_objectives import MEASURES, Kind
+from lexstack.robots import RobotModel
+from lexstack.types import LinearTask, Vector
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack_core.htmpc import (
+from lexstack.mpc import (
     Htmpc,
     LevelStatus,
     Objective,
@@ -18,8 +18,8 @@ from lexstack_core.htmpc import (
     Surroundings,
     Trajectory,
 )
-from lexstack_core.htmpc.objectives import Kind
-from lexstack_core.linear import Matrix, Vector
+from lexstack.mpc.tracking_objectives import Kind
+from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htidkc import Htidkc
 
 Around = Callable[[Vector], Surroundings]

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from lexstack_core.config.htmpc import BarrierConfig, CollisionConfig, HtmpcConfig
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc.objectives import Kind
-from lexstack_core.htmpc.symbolic import stage_function
-from lexstack_core.linear import Matrix
-from lexstack_core.model import RobotModel
+from lexstack.config.htmpc import BarrierConfig, CollisionConfig, HtmpcConfig
+from lexstack.errors import InputError
+from lexstack.mpc.symbolic import stage_function
+from lexstack.mpc.tracking_objectives import Kind
+from lexstack.robots import RobotModel
+from lexstack.types import Matrix
 
 ROWS: dict[Kind, int] = {"ee_position": 3, "base_position": 2, "base_pose": 3}
 """The kinds of tasks that are written here, and the length of their errors."""

@@ -8,12 +8,12 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_core.config.htmpc import HtmpcConfig
-from lexstack_core.errors import InputError
-from lexstack_core.htmpc import Objective, Surroundings
-from lexstack_core.htmpc.objectives import Kind, Task
-from lexstack_core.linear import Matrix, Vector
-from lexstack_core.model import RobotModel
+from lexstack.config.htmpc import HtmpcConfig
+from lexstack.errors import InputError
+from lexstack.mpc import Objective, Surroundings
+from lexstack.mpc.tracking_objectives import Kind, Task
+from lexstack.robots import RobotModel
+from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htmpc_casadi import Symbols, program
 
 _INTERIOR = 1e-6  # m, rad: an interior-point method needs one, also where e* is zero

@@ -15,12 +15,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from lexstack_core.config.htmpc import HtmpcConfig
-from lexstack_core.htmpc import Objective, Surroundings
-from lexstack_core.htmpc.horizon import Horizon
-from lexstack_core.htmpc.objectives import Kind
-from lexstack_core.linear import Matrix, Vector
-from lexstack_core.model import RobotModel
+from lexstack.config.htmpc import HtmpcConfig
+from lexstack.mpc import Objective, Surroundings
+from lexstack.mpc.double_integrator import Horizon
+from lexstack.mpc.tracking_objectives import Kind
+from lexstack.robots import RobotModel
+from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htmpc_casadi import Symbols, curvature, program, weights_of
 
 SOLVERS: dict[str, dict[str, object]] = {

@@ -14,8 +14,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from lexstack_bag.container import find_files
-from lexstack_core.errors import LexstackError
+from lexstack.errors import LexstackError
+from lexstack_bag.storage.container import find_files
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.results import Figure, Goal, Results, Table
 from lexstack_experiments.runs import scenario_of

@@ -17,7 +17,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_core.hqp import HqpSolver, make_solver
+from lexstack.hqp import HqpSolver, make_solver
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.certificate import certified_excess
 from lexstack_experiments.hierarchies.peers import STRICT, WEIGHTED, Pink, installed

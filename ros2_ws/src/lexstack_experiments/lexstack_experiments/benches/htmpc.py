@@ -21,12 +21,12 @@ from time import thread_time
 import casadi as ca
 import numpy as np
 
-from lexstack_core.config.htmpc import load_htmpc
-from lexstack_core.config.resolved import load_robot
-from lexstack_core.errors import ModelError
-from lexstack_core.htmpc import Htmpc, Plan, Start, Surroundings, hold, steps
-from lexstack_core.linear import Vector
-from lexstack_core.model import RobotModel
+from lexstack.config.htmpc import load_htmpc
+from lexstack.config.resolved import load_robot
+from lexstack.errors import ModelError
+from lexstack.mpc import Htmpc, Plan, Start, Surroundings, hold, steps
+from lexstack.robots import RobotModel
+from lexstack.types import Vector
 from lexstack_experiments.baselines.htloop import Track, objectives_of
 from lexstack_experiments.baselines.htmpc_paper import LICENSED, SOLVERS, PaperHtmpc
 from lexstack_experiments.experiment import Experiment, Options

@@ -17,8 +17,8 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from lexstack_bag.container import Container, find_files
-from lexstack_core.errors import LexstackError
+from lexstack.errors import LexstackError
+from lexstack_bag.storage.container import Container, find_files
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.results import Figure, Goal, Peer, Results, Table
 from lexstack_experiments.runs import scenario_of
@@ -27,7 +27,7 @@ NAME = "recorder"
 RATE, BYTES, SECONDS = 10_000, 500, 5.0
 _FAST = 15_000  # messages/s, to see what is in reserve
 _PATIENCE = 60.0  # s of wall time for a process
-_MODULE = "lexstack_ros.load"
+_MODULE = "lexstack_testing.load"
 _DOMAIN = 130  # plus the process id modulo 100: beyond those that runs choose from
 
 
@@ -190,7 +190,7 @@ def _recorder(case: Case, folder: Path, scenario: Path) -> list[str]:
         "expected_topics": f"'{topics}'",
     }
     pairs = [word for key, value in parameters.items() for word in ("-p", f"{key}:={value}")]
-    return ["lexstack_ros.nodes.recorder", "--ros-args", *pairs]
+    return ["lexstack_ros.recorder.node", "--ros-args", *pairs]
 
 
 def _start(module: list[str], environment: dict[str, str]) -> subprocess.Popen[str]:

@@ -13,12 +13,12 @@ from time import perf_counter
 
 import numpy as np
 
-from lexstack_core.build import Parts, build_controller
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.config.scenario import EventConfig
-from lexstack_core.hqp import HqpProblem, make_solver
-from lexstack_core.hqp.daqp_cascade import DaqpCascade
-from lexstack_core.linear import Vector
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.config.scenario import EventConfig
+from lexstack.control.factory import Parts, build_controller
+from lexstack.hqp import HqpProblem, make_solver
+from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.types import Vector
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.recorded import record
 from lexstack_experiments.replay import Tape

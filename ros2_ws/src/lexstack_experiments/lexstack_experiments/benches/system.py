@@ -18,17 +18,17 @@ from typing import Any
 import numpy as np
 import yaml
 
-from lexstack_bag.container import Container, find_files
-from lexstack_bag.decoder import Decoder
-from lexstack_bag.run import Integers
-from lexstack_core.config.resolved import ResolvedScenario, load_scenario
-from lexstack_core.errors import LexstackError
+from lexstack.config.resolved import ResolvedScenario, load_scenario
+from lexstack.errors import LexstackError
+from lexstack_bag.run.run import Integers
+from lexstack_bag.storage.container import Container, find_files
+from lexstack_bag.storage.decoder import Decoder
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
 
 NAME = "system"
 SECONDS, SOAK = 60.0, 1800.0
-_MODULE = "lexstack_ros.system_load"
+_MODULE = "lexstack_testing.system_load"
 _SHORT = 12.0  # s of each phase in lockstep
 _PATIENCE = 240.0  # s of wall time beside the phases
 _NS = 1_000_000_000

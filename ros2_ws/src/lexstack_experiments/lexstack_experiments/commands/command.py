@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
 
-from lexstack_bag.folders import whose
-from lexstack_core.errors import ConfigurationError, LexstackError
+from lexstack.errors import ConfigurationError, LexstackError
+from lexstack_bag.storage.folders import whose
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.text import lines_of
 

@@ -7,7 +7,7 @@ import os
 import sys
 from pathlib import Path
 
-from lexstack_core.errors import ConfigurationError
+from lexstack.errors import ConfigurationError
 from lexstack_experiments.documents.fields import fields_of
 from lexstack_experiments.documents.markers import filled
 from lexstack_experiments.documents.store import Store

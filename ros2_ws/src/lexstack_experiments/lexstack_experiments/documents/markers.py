@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 
-from lexstack_core.errors import ConfigurationError
+from lexstack.errors import ConfigurationError
 
 _MARKED = re.compile(r"<!-- from ([\w.-]+) -->(.*?)<!-- / -->", re.DOTALL)
 _BEGIN = re.compile(r"<!-- from ")

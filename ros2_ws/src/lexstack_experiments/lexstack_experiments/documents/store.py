@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lexstack_core.errors import ConfigurationError
+from lexstack.errors import ConfigurationError
 
 _KEPT = ("name", "seed", "cases", "commit", "machine", "setup", "figures", "tables")
 # Tables that no document quotes are left out, by their places.

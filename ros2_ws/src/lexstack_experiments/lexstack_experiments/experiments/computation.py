@@ -15,11 +15,11 @@ from time import perf_counter, process_time, sleep
 
 import numpy as np
 
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.linear import Vector
-from lexstack_core.model import Team
-from lexstack_core.transition.profile import alpha
-from lexstack_core.transition.status import Source
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.robots import Team
+from lexstack.transition.messages import Source
+from lexstack.transition.profiles import alpha
+from lexstack.types import Vector
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop

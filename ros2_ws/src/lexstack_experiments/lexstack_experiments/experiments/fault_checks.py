@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from lexstack_bag.limits import JointLimits
-from lexstack_core.linear import Vector
+from lexstack.types import Vector
+from lexstack_bag.figures.limits import JointLimits
 from lexstack_experiments.experiments.fault_records import (
     FOLLOWING,
     PAUSED,

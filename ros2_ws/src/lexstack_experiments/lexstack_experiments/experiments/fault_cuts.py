@@ -12,10 +12,10 @@ from typing import Any
 
 import yaml
 
-from lexstack_core.errors import LexstackError
+from lexstack.errors import LexstackError
+from lexstack_bringup.hosts import VARIABLES
 from lexstack_experiments.experiment import Options
-from lexstack_ros.hosts import VARIABLES
-from lexstack_ros.namespaces import Lan, why_not
+from lexstack_testing.virtual_lan import Lan, why_not
 
 CUTS = {"cut robot_b blending": "robot_b", "cut robot_a blending": "robot_a"}
 CUT = 5.0  # s
@@ -69,7 +69,7 @@ def _start(
     """Start one host's share."""
     environment = {k: v for k, v in os.environ.items() if k not in VARIABLES}
     words = ["--only", ",".join(nodes), "--host-config", _HOSTS, "--out", str(out / host)]
-    command = [sys.executable, "-m", "lexstack_ros.commands.bringup", *words, str(scenario)]
+    command = [sys.executable, "-m", "lexstack_bringup.commands.bringup", *words, str(scenario)]
     return lan.start(host, command, out / f"{host}.txt", environment)
 
 

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from lexstack_bag.container import Container, RawMessage, find_files
-from lexstack_bag.decoder import Decoder
+from lexstack.types import Vector
 from lexstack_bag.errors import BagError
-from lexstack_core.linear import Vector
+from lexstack_bag.storage.container import Container, RawMessage, find_files
+from lexstack_bag.storage.decoder import Decoder
 
 FORGED = "forged"  # frame_id of what the stranger sends
 FOLLOWING, HOLDING, BRAKING, PAUSED = range(4)  # status of PlantState

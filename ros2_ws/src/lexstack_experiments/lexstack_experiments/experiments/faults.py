@@ -1,7 +1,7 @@
 """Faults of a running system: every process killed and stopped in every phase, a cut network, ...
 
-Realtime runs of all processes over DDS. What is done to them is in ``lexstack_ros.faults``; here
-the runs are started, and what their bags say is held against the limits.
+Realtime runs of all processes over DDS. What is done to them is in ``lexstack_testing.faults``;
+here the runs are started, and what their bags say is held against the limits.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.errors import LexstackError
-from lexstack_core.model import Team
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.errors import LexstackError
+from lexstack.robots import Team
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.fault_checks import Outcome, outcome
 from lexstack_experiments.experiments.fault_cuts import CUTS, cut_events, why_no_cut
 from lexstack_experiments.experiments.fault_records import Told, read_record
 from lexstack_experiments.results import Figure, Goal, Results, Table
 from lexstack_experiments.runs import scenario_of
-from lexstack_ros.faults.cases import CASES, FLOOD
+from lexstack_testing.faults.cases import CASES, FLOOD
 
 NAME = "faults"
-_MODULE = "lexstack_ros.faults.run"
+_MODULE = "lexstack_testing.faults.run"
 _ROUNDING = 1e-6
 _PER_CASE, _PER_RUN = 90.0, 120.0  # s of wall time at most
 _COLUMNS = (

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lexstack_core.linear import Matrix, Vector
+from lexstack.types import Matrix, Vector
 from lexstack_experiments.experiments.htmpc_runs import WITHIN, Wave
 from lexstack_experiments.experiments.htmpc_sequences import Trip
 from lexstack_experiments.pictures import COLOURS, legend_beside, mark, picture

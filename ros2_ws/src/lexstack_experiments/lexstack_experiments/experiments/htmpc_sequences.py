@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack_core.htmpc import (
+from lexstack.mpc import (
     HT_ARCH,
     ST_ARCH,
     Architecture,
@@ -15,8 +15,8 @@ from lexstack_core.htmpc import (
     Present,
     SequenceTask,
 )
-from lexstack_core.htmpc import Sequence as TaskSequence
-from lexstack_core.linear import Matrix, Vector
+from lexstack.mpc import Sequence as TaskSequence
+from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htloop import Record, carry_out
 
 ARCHITECTURES: dict[str, Architecture] = {"HT-Arch": HT_ARCH, "ST-Arch": ST_ARCH}

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 import yaml
 
-from lexstack_core.config.htmpc import HtmpcConfig, load_htmpc
-from lexstack_core.config.reader import plain
-from lexstack_core.linear import Matrix, Vector
+from lexstack.config.htmpc import HtmpcConfig, load_htmpc
+from lexstack.config.reader import plain
+from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htidkc import HtidkcConfig, load_htidkc
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_runs import (

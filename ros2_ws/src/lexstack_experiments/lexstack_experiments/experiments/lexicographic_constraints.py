@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lexstack_core.config.htmpc import Constraint, HtmpcConfig, load_htmpc
+from lexstack.config.htmpc import Constraint, HtmpcConfig, load_htmpc
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_pictures import draw_constraints
 from lexstack_experiments.experiments.htmpc_runs import (

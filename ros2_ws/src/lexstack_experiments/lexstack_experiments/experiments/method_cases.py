@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.config.scenario import EventConfig
-from lexstack_core.linear import Vector
-from lexstack_core.model import Pose, Team
-from lexstack_core.references import Target
-from lexstack_core.transition.profile import quintic
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.config.scenario import EventConfig
+from lexstack.references import Target
+from lexstack.robots import Pose, Team
+from lexstack.transition.profiles import quintic
+from lexstack.types import Vector
 from lexstack_experiments.links import Delayed, Frozen, Lost
 from lexstack_experiments.loop import Link
 from lexstack_experiments.runs import changed, scenario_of

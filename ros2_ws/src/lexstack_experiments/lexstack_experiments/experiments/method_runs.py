@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_core.linear import Vector
-from lexstack_core.model import Team
-from lexstack_core.transition.status import Source
+from lexstack.robots import Team
+from lexstack.transition.messages import Source
+from lexstack.types import Vector
 from lexstack_experiments.experiments.method_cases import Case, Row
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from lexstack_core.linear import Vector
+from lexstack.types import Vector
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.pictures import COLOURS, few_ticks, legend_beside, picture
 from lexstack_sim.render import Renderer, RenderError

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lexstack_core.config.htmpc import HtmpcConfig, load_htmpc
-from lexstack_core.htmpc import Htmpc, Objective, Plan, Start
-from lexstack_core.htmpc.objectives import Kind, Task
-from lexstack_core.linear import Matrix, Vector
-from lexstack_core.model import RobotModel
+from lexstack.config.htmpc import HtmpcConfig, load_htmpc
+from lexstack.mpc import Htmpc, Objective, Plan, Start
+from lexstack.mpc.tracking_objectives import Kind, Task
+from lexstack.robots import RobotModel
+from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htloop import objectives_of
 from lexstack_experiments.baselines.htmpc_oracle import HtmpcOracle, OracleLevel
 from lexstack_experiments.experiment import Experiment, Options

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.model import Team
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.robots import Team
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.reach_cases import KINDS, Case, out_of_reach, within_reach
 from lexstack_experiments.experiments.reach_runs import LAWS, Motion, run

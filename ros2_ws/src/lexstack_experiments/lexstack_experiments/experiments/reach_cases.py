@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.config.stack import LevelConfig, StackConfig, TaskConfig
-from lexstack_core.linear import Vector
-from lexstack_core.model import Pose, Team
-from lexstack_core.rotation import from_rpy
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
+from lexstack.robots import Pose, Team
+from lexstack.spatial import from_rpy
+from lexstack.types import Vector
 
 REACH = 1.25  # m from the shoulder: no tool of the Panda comes so far
 SHOULDER = 0.841  # m above the floor

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
-from lexstack_core.build import Parts, build_controller
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.controller import Command
-from lexstack_core.hqp import Damped, Damper, HqpProblem
-from lexstack_core.in_force import LimitOptions, LimitsInForce
-from lexstack_core.joint_limits import JointLimits
-from lexstack_core.linear import LinearTask, Matrix, Vector
-from lexstack_core.model import Kinematics, Team
-from lexstack_core.references import Target
-from lexstack_core.tasks.ee_pose import pose_error
-from lexstack_core.tasks.relative_pose import cross, other_end
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.control.controller import Command
+from lexstack.control.factory import Parts, build_controller
+from lexstack.hqp import Damped, Damper, HqpProblem
+from lexstack.limits.joint_limits import JointLimits
+from lexstack.limits.limits_in_force import LimitOptions, LimitsInForce
+from lexstack.references import Target
+from lexstack.robots import Kinematics, Team
+from lexstack.tasks.frame_pose import pose_error
+from lexstack.tasks.relative_pose import cross, other_end
+from lexstack.types import LinearTask, Matrix, Vector
 from lexstack_experiments.experiments.reach_cases import KINDS, Case, scenario
 from lexstack_experiments.ideal import IdealPlant
 

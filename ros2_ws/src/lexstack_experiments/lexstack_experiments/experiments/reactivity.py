@@ -17,10 +17,10 @@ from typing import Literal
 
 import numpy as np
 
-from lexstack_core.config.htmpc import HtmpcConfig, load_htmpc
-from lexstack_core.htmpc import HT_ARCH, Htmpc, Present, SequenceTask
-from lexstack_core.htmpc import Sequence as TaskSequence
-from lexstack_core.linear import Vector
+from lexstack.config.htmpc import HtmpcConfig, load_htmpc
+from lexstack.mpc import HT_ARCH, Htmpc, Present, SequenceTask
+from lexstack.mpc import Sequence as TaskSequence
+from lexstack.types import Vector
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_pictures import draw_reactions
 from lexstack_experiments.experiments.htmpc_runs import Setting, setting

@@ -14,13 +14,13 @@ from time import thread_time
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack_core.build import Parts, build_controller
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.config.scenario import EventConfig, PlacementConfig
-from lexstack_core.hqp import SOLVERS, HqpProblem, HqpSolver, Solution, make_solver
-from lexstack_core.linear import Vector
-from lexstack_core.model import Team
-from lexstack_core.transition.status import Phase
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.config.scenario import EventConfig, PlacementConfig
+from lexstack.control.factory import Parts, build_controller
+from lexstack.hqp import SOLVERS, HqpProblem, HqpSolver, Solution, make_solver
+from lexstack.robots import Team
+from lexstack.transition.messages import Phase
+from lexstack.types import Vector
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from lexstack_bag.phases import BASE_TASKS, tasks_of
-from lexstack_core.linear import Matrix, Vector
+from lexstack.types import Matrix, Vector
+from lexstack_bag.figures.phases import BASE_TASKS, tasks_of
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.pictures import COLOURS, few_ticks, legend_beside, mark, picture
 from lexstack_experiments.runs import Measured

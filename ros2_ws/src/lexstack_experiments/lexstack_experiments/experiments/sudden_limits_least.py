@@ -1,9 +1,9 @@
 """The least time in which joints can be inside new limits: what no controller can beat.
 
-Worked out apart from ``lexstack_core.limits``. In discrete time, q(k+1) = q(k) + dt v(k+1), a
-joint that is outside after k ticks whatever it does needs k + 1 of them. It is nearest to its
-limit, or furthest inside, if it accelerates inward with all it has, up to its velocity limit; with
-jerk limits it does what a linear program says.
+Worked out apart from ``lexstack.limits.limit_transition``. In discrete time, q(k+1) = q(k) + dt
+v(k+1), a joint that is outside after k ticks whatever it does needs k + 1 of them. It is nearest
+to its limit, or furthest inside, if it accelerates inward with all it has, up to its velocity
+limit; with jerk limits it does what a linear program says.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from lexstack_core.bounds import JointLimits
-from lexstack_core.lateness import Motion
+from lexstack.limits.limit_timing import Motion
+from lexstack.limits.viable_bounds import JointLimits
 
 KEPT = 1e-9  # m, rad: outside by no more is inside
 _MOST = 1000  # ticks

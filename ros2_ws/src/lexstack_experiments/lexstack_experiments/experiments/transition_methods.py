@@ -9,16 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import astuple
 
-from lexstack_core.transition.methods import METHODS
+from lexstack.transition.methods import METHODS
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.method_cases import Case, cases
 from lexstack_experiments.experiments.method_pictures import draw
-from lexstack_experiments.experiments.method_runs import (
-    MethodFigures,
-    Play,
-    Rows,
-    never_switched,
-)
+from lexstack_experiments.experiments.method_runs import MethodFigures, Play, Rows, never_switched
 from lexstack_experiments.results import Figure, Goal, Peer, Results, Table
 
 NAME = "transition-methods"

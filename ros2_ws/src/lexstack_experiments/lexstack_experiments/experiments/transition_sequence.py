@@ -6,10 +6,10 @@ baseline: the new stack at once, within the same acceleration limits.
 
 from __future__ import annotations
 
-from lexstack_bag.goals import goals_of
-from lexstack_bag.metrics import PerRobot, PhaseMetrics
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.transition.methods import METHODS
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.transition.methods import METHODS
+from lexstack_bag.figures.figures import PerRobot, PhaseMetrics
+from lexstack_bag.figures.goals import goals_of
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.sequence_pictures import draw
 from lexstack_experiments.loop import Loop

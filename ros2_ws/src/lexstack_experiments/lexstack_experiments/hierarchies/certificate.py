@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from lexstack_core.hqp import HqpProblem
-from lexstack_core.linear import Matrix, Vector
+from lexstack.hqp import HqpProblem
+from lexstack.types import Matrix, Vector
 
 _TOUCH = 1e-9  # nearer than this to its end, a joint or row may be pressed
 _TINY = 1e-20  # of the objective: a smaller gap needs no better multipliers

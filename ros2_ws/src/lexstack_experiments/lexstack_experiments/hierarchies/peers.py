@@ -22,9 +22,9 @@ import pinocchio
 import quadprog
 from proxsuite import proxqp
 
-from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, Status
-from lexstack_core.hqp.rows import Hierarchy
-from lexstack_core.linear import Matrix, Vector
+from lexstack.hqp import HqpProblem, HqpSolver, Solution, Status
+from lexstack.hqp.hierarchy import Hierarchy
+from lexstack.types import Matrix, Vector
 
 _PROXIMAL = 1e-9  # of a trace of about 1
 _ENDLESS = 1e30  # from here on PIQP takes the end of a row for infinite

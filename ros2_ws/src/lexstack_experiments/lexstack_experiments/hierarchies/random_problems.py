@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lexstack_core.bounds import Bounds
-from lexstack_core.hqp import HqpProblem
-from lexstack_core.linear import LinearTask, Matrix, Vector
+from lexstack.hqp import HqpProblem
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import LinearTask, Matrix, Vector
 
 KINDS = ("nominal", "tight", "deficient", "infeasible", "pinned")
 SINGULAR = "near-singular"

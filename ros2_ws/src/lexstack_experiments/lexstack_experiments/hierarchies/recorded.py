@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack_core.bounds import JointLimits
-from lexstack_core.build import Parts, build_controller
-from lexstack_core.config.resolved import ResolvedScenario
-from lexstack_core.hqp import HqpProblem, HqpSolver, Solution, make_solver
-from lexstack_core.transition.status import Source
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.control.factory import Parts, build_controller
+from lexstack.hqp import HqpProblem, HqpSolver, Solution, make_solver
+from lexstack.limits.viable_bounds import JointLimits
+from lexstack.transition.messages import Source
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lexstack_core.hqp import HqpProblem, HqpSolver
-from lexstack_core.hqp.oracle import lexicographic_oracle
+from lexstack.hqp import HqpProblem, HqpSolver
+from lexstack.hqp.backends.oracle import lexicographic_oracle
 from lexstack_experiments.hierarchies.certificate import certified_excess
 from lexstack_experiments.hierarchies.random_problems import SINGULAR
 

@@ -11,12 +11,12 @@ from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from lexstack_core.model import Pose, Team
-from lexstack_core.references import References
-from lexstack_core.rotation import from_rpy, to_quaternion
+from lexstack.references import References
+from lexstack.robots import Pose, Team
+from lexstack.spatial import from_rpy, to_quaternion
 from lexstack_interfaces.srv import ApplyWrench, SwitchStack
-from lexstack_ros.conversions import pose_message
-from lexstack_ros.qos import STREAM
+from lexstack_ros.messages.conversions import pose_message
+from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.view.orders import Cancel, NewTarget, Order, Push, Switch
 from lexstack_ros.view.server import ViewError
 

@@ -7,11 +7,11 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from lexstack_core.model import Team
-from lexstack_core.references import References
-from lexstack_core.rotation import to_quaternion
+from lexstack.references import References
+from lexstack.robots import Team
+from lexstack.spatial import to_quaternion
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
-from lexstack_ros.conversions import to_seconds
+from lexstack_ros.messages.conversions import to_seconds
 
 COMMANDER, SOURCE = "robot_a", "robot_b"  # the controllers, whatever the robots are called
 _PLANT = {

@@ -15,22 +15,22 @@ from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
-from lexstack_core.errors import InputError
-from lexstack_core.model import Team
-from lexstack_core.references import References, measured
+from lexstack.errors import InputError
+from lexstack.references import References, measured
+from lexstack.robots import Team
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
-from lexstack_ros.conversions import to_seconds, to_vector
-from lexstack_ros.parameters import scenario_parameter
-from lexstack_ros.readiness import READY
-from lexstack_ros.references import HeardReferences
-from lexstack_ros.spin import LAST, run_node
+from lexstack_ros.controller.references import HeardReferences
+from lexstack_ros.messages.conversions import to_seconds, to_vector
+from lexstack_ros.messages.names import PAGE, URL
+from lexstack_ros.node.parameters import scenario_parameter
+from lexstack_ros.node.readiness import READY
+from lexstack_ros.node.spin import LAST, run_node
 from lexstack_ros.view.actions import Actions
 from lexstack_ros.view.hub import Hub
 from lexstack_ros.view.news import COMMANDER, SOURCE, news
 from lexstack_ros.view.orders import read_order
 from lexstack_ros.view.page import live_page
 from lexstack_ros.view.server import ViewServer
-from lexstack_ros.view.start import NAME, URL
 
 _PERIOD = 0.05  # s of wall time between two news
 
@@ -40,7 +40,7 @@ class ViewNode(Node):
 
     def __init__(self) -> None:
         """Serve the page; raises LexstackError for a wrong parameter."""
-        super().__init__(NAME)
+        super().__init__(PAGE)
         self.niceness = LAST
         self._resolved = scenario_parameter(self)
         self._team = team = Team.from_scenario(self._resolved)

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lexstack_core.errors import InputError
+from lexstack.errors import InputError
 
 _FARTHEST = 100.0  # m
 _LONGEST = 60.0  # s

@@ -15,7 +15,7 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Thread
 
-from lexstack_core.errors import InputError
+from lexstack.errors import InputError
 from lexstack_ros.view.hub import Hub
 from lexstack_ros.view.orders import Order
 

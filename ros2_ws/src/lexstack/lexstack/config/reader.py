@@ -1,0 +1,149 @@
+"""From YAML to frozen dataclasses: strict keys, checked types, the file and key in every error."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import types
+import typing
+from pathlib import Path
+from typing import Any, TypeVar
+
+from lexstack.config.checks import number_advice, shown
+from lexstack.config.yaml_text import parse_plain, read_text
+from lexstack.errors import ConfigurationError
+
+T = TypeVar("T")
+
+_LARGEST = 2**63  # integers beyond it are mistakes
+
+
+def read_yaml(path: Path) -> dict[str, Any]:
+    """Return the mapping in a YAML file; raises ConfigurationError naming file and line."""
+    return parse_yaml(read_text(path), str(path))
+
+
+def parse_yaml(text: str, where: str) -> dict[str, Any]:
+    """Return the mapping in a YAML text; ``where`` names its origin in errors."""
+    return parse_plain(text, where)
+
+
+def build(kind: type[T], data: object, where: str) -> T:
+    """Return ``data`` as an instance of the dataclass ``kind``; every key known, every type right.
+
+    A dataclass may define ``validate(where)``, which raises ConfigurationError; it runs last.
+    """
+    if not isinstance(data, dict):
+        raise ConfigurationError(f"{where}: expected a mapping of keys, got {shown(data)}")
+    hints = typing.get_type_hints(kind)
+    fields = {field.name: field for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
+    unknown = [str(key) for key in data if key not in fields]
+    if unknown:
+        raise ConfigurationError(
+            f"{where}: unknown key {shown(unknown[0])}; known: {', '.join(sorted(fields))}"
+        )
+    values = {}
+    for name, field in fields.items():
+        if name in data:
+            values[name] = _convert(hints[name], data[name], f"{where}: {name}")
+        elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
+            raise ConfigurationError(f"{where}: key {name!r} is missing")
+    result = kind(**values)
+    validate = getattr(result, "validate", None)
+    if validate is not None:
+        validate(where)
+    return result
+
+
+def plain(value: object) -> Any:
+    """Return a dataclass tree as plain dictionaries and lists, ready for ``yaml.safe_dump``."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [plain(item) for item in value]
+    return value
+
+
+def _convert(hint: Any, value: object, where: str) -> Any:
+    """Return ``value`` as the annotated type ``hint``; no silent conversions but int to float."""
+    origin = typing.get_origin(hint)
+    if origin in (types.UnionType, typing.Union):
+        return _convert_union(hint, value, where)
+    if origin is tuple:
+        return _convert_tuple(hint, value, where)
+    if origin is dict:
+        if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
+            raise ConfigurationError(f"{where}: expected a mapping of names, got {shown(value)}")
+        item = typing.get_args(hint)[1]
+        return {key: _convert(item, entry, f"{where}.{key}") for key, entry in value.items()}
+    if origin is typing.Literal:
+        return _convert_choice(typing.get_args(hint), value, where)
+    if dataclasses.is_dataclass(hint):
+        return build(typing.cast("type", hint), value, where)
+    return _convert_scalar(hint, value, where)
+
+
+def _convert_union(hint: Any, value: object, where: str) -> Any:
+    """Return an optional value: None, or the one other type."""
+    options = [option for option in typing.get_args(hint) if option is not type(None)]
+    if value is None and len(options) < len(typing.get_args(hint)):
+        return None
+    errors = []
+    for option in options:
+        try:
+            return _convert(option, value, where)
+        except ConfigurationError as error:
+            errors.append(error)
+    raise errors[-1]
+
+
+def _convert_tuple(hint: Any, value: object, where: str) -> tuple[Any, ...]:
+    """Return a list as a tuple; a fixed length is checked."""
+    if not isinstance(value, list | tuple):
+        raise ConfigurationError(f"{where}: expected a list, got {shown(value)}")
+    items = typing.get_args(hint)
+    if len(items) == 2 and items[1] is Ellipsis:
+        return tuple(_convert(items[0], item, f"{where}[{i}]") for i, item in enumerate(value))
+    if len(items) != len(value):
+        raise ConfigurationError(f"{where}: expected {len(items)} values, got {len(value)}")
+    return tuple(
+        _convert(kind, item, f"{where}[{i}]")
+        for i, (kind, item) in enumerate(zip(items, value, strict=True))
+    )
+
+
+def _convert_choice(choices: tuple[Any, ...], value: object, where: str) -> Any:
+    """Return ``value`` if it is one of the literal ``choices``."""
+    if value not in choices:
+        known = ", ".join(str(choice) for choice in choices)
+        raise ConfigurationError(f"{where}: {shown(value)} is not one of: {known}")
+    return value
+
+
+def _convert_scalar(hint: Any, value: object, where: str) -> Any:
+    """Return a bool, int, str or float (not NaN; ``.inf`` is legal where ``validate`` allows)."""
+    if hint is str and isinstance(value, str):
+        return _text(value, where)
+    if hint is Any or (hint is bool and isinstance(value, bool)):
+        return value
+    if hint is int and isinstance(value, int) and not isinstance(value, bool):
+        if abs(value) > _LARGEST:
+            raise ConfigurationError(f"{where}: out of range, got {shown(value)}")
+        return value
+    if hint is float and isinstance(value, int | float) and not isinstance(value, bool):
+        if math.isnan(value):
+            raise ConfigurationError(f"{where}: must be a number, got NaN")
+        if isinstance(value, int) and abs(value) > _LARGEST:
+            raise ConfigurationError(f"{where}: out of range, got {shown(value)}")
+        return float(value)
+    advice = number_advice(value) if hint in (int, float) else ""
+    raise ConfigurationError(f"{where}: expected {hint.__name__}, got {shown(value)}{advice}")
+
+
+def _text(value: str, where: str) -> str:
+    """Return a text that can be printed and sent."""
+    if not all(letter.isprintable() or letter == "\n" for letter in value):
+        raise ConfigurationError(f"{where}: expected printable characters, got {shown(value)}")
+    return value

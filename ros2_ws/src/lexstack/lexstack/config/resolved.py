@@ -1,0 +1,126 @@
+"""A scenario with everything it names, loaded: what a run needs, and what its bag carries."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import yaml
+
+from lexstack.config.available import available, load_stack
+from lexstack.config.checks import shown
+from lexstack.config.htmpc import HtmpcConfig, load_htmpc
+from lexstack.config.reader import build, parse_yaml, plain, read_yaml
+from lexstack.config.robot import RobotConfig
+from lexstack.config.scenario import ScenarioConfig
+from lexstack.config.stack import StackConfig
+from lexstack.errors import ConfigurationError
+
+
+@dataclass(frozen=True, slots=True)
+class ResolvedScenario:
+    """A scenario, the kinds of robots that it uses, and every stack that can be asked for."""
+
+    scenario: ScenarioConfig
+    robots: dict[str, RobotConfig]  # by model name
+    stacks: dict[str, StackConfig]  # by stack name
+    htmpc: dict[str, HtmpcConfig] = field(default_factory=dict)  # by name of the parameters
+    unfit: dict[str, str] = field(default_factory=dict)  # by name of a stack: why it does not fit
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a robot or stack that is named but not there."""
+        for name, placement in self.scenario.robots.items():
+            _known(f"{where}: robots.{name}.model", placement.model, self.robots)
+        self._check_stack(f"{where}: initial_stack", self.scenario.initial_stack)
+        for i, event in enumerate(self.scenario.events):
+            if event.switch:
+                self._check_stack(f"{where}: events[{i}].switch", event.switch)
+        moved = self.stacks[self.scenario.initial_stack].robots
+        left = [name for name in self.scenario.robots if moved and name not in moved]
+        if left:
+            raise ConfigurationError(
+                f"{where}: initial_stack: {self.scenario.initial_stack!r} leaves "
+                f"{', '.join(left)} without a stack"
+            )
+
+    def _check_stack(self, where: str, name: str) -> None:
+        """Raise ConfigurationError for a stack that is not there, or does not fit."""
+        if name in self.unfit:
+            raise ConfigurationError(f"{where}: {shown(name)} does not fit: {self.unfit[name]}")
+        _known(where, name, self.stacks)
+
+    def to_yaml(self) -> str:
+        """Return the whole as one YAML text, which ``from_yaml`` reads again."""
+        return yaml.safe_dump(plain(self), sort_keys=False, allow_unicode=True)
+
+    @classmethod
+    def from_yaml(
+        cls, text: str, where: str, since: Mapping[str, object] | None = None
+    ) -> ResolvedScenario:
+        """Return the scenario in a text that ``to_yaml`` wrote.
+
+        Args:
+            text: YAML.
+            where: its origin, for errors.
+            since: values of the scenario's keys that older versions did not write.
+        """
+        tree = parse_yaml(text, where)
+        if since and isinstance(tree, dict) and isinstance(tree.get("scenario"), dict):
+            tree["scenario"] = {**since, **tree["scenario"]}
+        return build(cls, tree, where)
+
+
+def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
+    """Return a scenario file with its robots and the stacks of the configuration folder.
+
+    A stack file that is wrong, that names robots which the scenario has not, or whose limits are
+    for another kind of robot is left out, and ``unfit`` says why; not if the scenario names it.
+
+    Args:
+        path: the scenario's file.
+        config: the folder with ``robots/`` and ``stacks/``; default: the one above the scenario's.
+
+    Raises:
+        ConfigurationError: a file is missing or wrong; the text names the file and the key.
+    """
+    folder = path.resolve().parent.parent if config is None else config
+    scenario = build(ScenarioConfig, read_yaml(path), str(path))
+    robots = {
+        model: load_robot(folder / "robots" / f"{model}.yaml")
+        for model in dict.fromkeys(place.model for place in scenario.robots.values())
+    }
+    stacks, unfit = available(folder, scenario, robots, str(path))
+    parameters = _parameters(folder / "htmpc", scenario)
+    resolved = ResolvedScenario(scenario, robots, stacks, parameters, unfit)
+    resolved.validate(str(path))
+    return resolved
+
+
+def _parameters(folder: Path, scenario: ScenarioConfig) -> dict[str, HtmpcConfig]:
+    """Return the parameters of the HTMPC that a scenario names, if it runs one."""
+    if not scenario.plans:
+        return {}
+    name = scenario.htmpc.parameters
+    return {name: load_htmpc(folder / f"{name}.yaml")}
+
+
+def load_robot(path: Path) -> RobotConfig:
+    """Return one robot file."""
+    config = build(RobotConfig, read_yaml(path), str(path))
+    if config.name != path.stem:
+        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(config.name)}")
+    return config
+
+
+def load_stacks(folder: Path) -> dict[str, StackConfig]:
+    """Return every stack file of a folder, by name."""
+    files = sorted(folder.glob("*.yaml"))
+    return {path.stem: load_stack(path) for path in files}
+
+
+def _known(where: str, name: str, known: Collection[str]) -> None:
+    """Raise ConfigurationError unless ``name`` is a key of ``known``."""
+    if name not in known:
+        listed = ", ".join(sorted(known))
+        raise ConfigurationError(f"{where}: unknown {shown(name)}; known: {listed}")

@@ -1,0 +1,149 @@
+"""The schema of ``config/robots/*.yaml``: one mobile manipulator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lexstack.config.checks import finite, not_negative, positive, same_length
+from lexstack.errors import ConfigurationError
+
+Vector3 = tuple[float, float, float]
+
+# The lists of an arm that have one entry per joint.
+_ANGLES = ("home", "position_lower", "position_upper")
+_POSITIVE = (
+    "velocity",
+    "acceleration",
+    "jerk",
+    "torque",
+    "torque_rate",
+    "stiffness",
+    "q_star_distance",
+)
+_NOT_NEGATIVE = ("damping", "armature")
+
+
+@dataclass(frozen=True, slots=True)
+class FrameConfig:
+    """A fixed frame: its parent link, and its pose in the parent's frame."""
+
+    parent: str
+    xyz: Vector3  # m
+    rpy: Vector3  # rad, roll pitch yaw about fixed axes
+
+
+@dataclass(frozen=True, slots=True)
+class WheelsConfig:
+    """Four wheels, for the eye only: they carry no load in the planar model."""
+
+    radius: float  # m
+    width: float  # m
+    x: float  # m, centre to axle
+    y: float  # m, centre to wheel
+    mass: float  # kg, each
+
+
+@dataclass(frozen=True, slots=True)
+class BaseConfig:
+    """A holonomic platform: planar joints x, y, yaw with velocity servos."""
+
+    chassis_size: Vector3  # m, length x width x height of the box
+    chassis_height: float  # m, box centre above the floor
+    chassis_mass: float  # kg
+    chassis_inertia: Vector3  # kg m2, about the box centre: ixx, iyy, izz
+    wheels: WheelsConfig
+    velocity: Vector3  # m/s, m/s, rad/s
+    acceleration: Vector3  # m/s2, m/s2, rad/s2
+    jerk: Vector3  # m/s3, m/s3, rad/s3
+    servo_gain: Vector3  # N s/m, N s/m, N m s/rad
+    servo_force: Vector3  # N, N, N m
+    q_star_distance: Vector3  # m, m, rad: how far q* may run from q
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a value out of range."""
+        positive(
+            where,
+            chassis_size=self.chassis_size,
+            chassis_mass=self.chassis_mass,
+            chassis_inertia=self.chassis_inertia,
+            velocity=self.velocity,
+            acceleration=self.acceleration,
+            jerk=self.jerk,
+            servo_gain=self.servo_gain,
+            servo_force=self.servo_force,
+            q_star_distance=self.q_star_distance,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ArmConfig:
+    """An arm from a URDF of the package ``example_robot_data``, with its limits and impedance.
+
+    For a prismatic joint read m where a list says rad, and N where it says N m.
+    """
+
+    description: str  # path below example_robot_data's robots folder
+    root: str  # the link that is mounted on the base
+    mount: FrameConfig  # parent: base
+    joints: tuple[str, ...]  # controlled joints, in the order of chi
+    fixed: dict[str, float]  # the other joints of the URDF and where they are held [rad or m]
+    home: tuple[float, ...]  # rad
+    position_lower: tuple[float, ...]  # rad
+    position_upper: tuple[float, ...]  # rad
+    velocity: tuple[float, ...]  # rad/s
+    acceleration: tuple[float, ...]  # rad/s2
+    jerk: tuple[float, ...]  # rad/s3
+    torque: tuple[float, ...]  # N m
+    torque_rate: tuple[float, ...]  # N m/s
+    stiffness: tuple[float, ...]  # K_qp of T(40) [N m/rad]
+    damping: tuple[float, ...]  # K_qd of T(40) [N m s/rad]
+    armature: tuple[float, ...]  # kg m2, rotor inertia seen at the joint
+    q_star_distance: tuple[float, ...]  # rad: how far q* may run from q
+    # rad: where the task ``posture`` leads by default, away from singularities; None: mid-range,
+    # which is often singular
+    posture: tuple[float, ...] | None = None
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a list of the wrong length or a value out of range."""
+        lists = {name: getattr(self, name) for name in (*_ANGLES, *_POSITIVE, *_NOT_NEGATIVE)}
+        same_length(where, len(self.joints), **lists)
+        if self.posture is not None:
+            same_length(where, len(self.joints), posture=self.posture)
+            finite(where, posture=self.posture)
+        finite(where, **{name: lists[name] for name in _ANGLES})
+        positive(where, **{name: lists[name] for name in _POSITIVE})
+        not_negative(where, **{name: lists[name] for name in _NOT_NEGATIVE})
+        for i, name in enumerate(self.joints):
+            if not self.position_lower[i] < self.position_upper[i]:
+                raise ConfigurationError(f"{where}: {name}: position_lower >= position_upper")
+            for key in ("home", "posture"):
+                values = getattr(self, key)
+                if values and not self.position_lower[i] <= values[i] <= self.position_upper[i]:
+                    raise ConfigurationError(
+                        f"{where}: {name}: {key} is outside the position limits"
+                    )
+
+
+@dataclass(frozen=True, slots=True)
+class SphereConfig:
+    """A sphere on a link: together they stand for the robot where distances are kept."""
+
+    link: str  # base, or a link of the arm
+    xyz: Vector3  # m, its centre in the link's frame
+    radius: float  # m
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a value out of range."""
+        finite(where, xyz=self.xyz)
+        positive(where, radius=self.radius)
+
+
+@dataclass(frozen=True, slots=True)
+class RobotConfig:
+    """One kind of robot: base, arm, and the tool frame that end-effector tasks move."""
+
+    name: str
+    base: BaseConfig
+    arm: ArmConfig
+    tool: FrameConfig  # parent: a link of the arm
+    spheres: tuple[SphereConfig, ...] = ()  # none: it takes no part in any distance

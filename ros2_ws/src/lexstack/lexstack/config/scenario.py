@@ -1,0 +1,249 @@
+"""The schema of ``config/scenarios/*.yaml``: robots, timing, and what happens when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from lexstack.config.checks import at_most, finite, names, not_negative, positive, shown
+from lexstack.config.plant import PlantConfig
+from lexstack.config.robot import Vector3
+from lexstack.config.sequence import SequenceChangeConfig, SequenceConfig
+from lexstack.config.stream import StreamConfig
+from lexstack.errors import ConfigurationError
+
+Quaternion = tuple[float, float, float, float]
+Mode = Literal["lockstep", "realtime"]
+_FASTEST = 1000.0  # Hz, the plant's own steps
+_LONGEST = 1e6  # s, 11 days
+MethodName = Literal[  # the keys of lexstack.transition.methods.METHODS
+    "bridge",
+    "bridge_jerk",
+    "t37",
+    "t34",
+    "t34_limited",
+    "instant",
+    "instant_limited",
+    "interpolation",
+    "activation",
+    "weights",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class PlacementConfig:
+    """One robot of the scenario: its kind, and where its base starts."""
+
+    model: str  # a name of config/robots
+    base: Vector3  # x [m], y [m], yaw [rad] in the world frame
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a model that is no name, or a place that is not finite."""
+        names(where, model=self.model)
+        finite(where, base=self.base)
+
+
+@dataclass(frozen=True, slots=True)
+class ObstacleConfig:
+    """A sphere in the robots' way: everybody knows where it is at any time.
+
+    Its centre is at position + velocity t + swing (1 - cos(2 pi t / period)) / 2.
+    """
+
+    position: Vector3  # m, of its centre at the scenario's start, world frame
+    radius: float  # m
+    velocity: Vector3 = (0.0, 0.0, 0.0)  # m/s, constant
+    swing: Vector3 = (0.0, 0.0, 0.0)  # m, how far it goes beside that, and comes back
+    period: float = 10.0  # s, of the swing: there and back, at rest at both ends
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a value out of range."""
+        finite(where, position=self.position, velocity=self.velocity, swing=self.swing)
+        positive(where, radius=self.radius, period=self.period)
+
+
+@dataclass(frozen=True, slots=True)
+class PoseConfig:
+    """A pose in the world frame."""
+
+    position: Vector3  # m
+    orientation: Quaternion  # x, y, z, w
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError unless the quaternion has unit length."""
+        finite(where, position=self.position, orientation=self.orientation)
+        norm = sum(value * value for value in self.orientation) ** 0.5
+        if abs(norm - 1.0) > 1e-3:
+            raise ConfigurationError(f"{where}: orientation: norm must be 1, got {norm:.4f}")
+
+
+@dataclass(frozen=True, slots=True)
+class TransitionConfig:
+    """How robot A goes from one stack to another."""
+
+    duration: float  # s, of the blend
+    method: MethodName = "bridge"
+    # How alpha rises; time_optimal: as fast as the joints allow, whatever the duration.
+    profile: Literal["quintic", "cosine", "linear", "time_optimal"] = "quintic"
+    on_loss: Literal["local", "minimum_velocity"] = "local"  # what A follows when B is lost
+    at_end: Literal["adopt", "stay"] = "adopt"  # take the stack over, or stay with B
+    limits_move: float = 0.0  # s, how long position limits move that a stack changes; 0: least time
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a duration that is not positive, or a negative time."""
+        positive(where, duration=self.duration)
+        not_negative(where, limits_move=self.limits_move)
+
+
+@dataclass(frozen=True, slots=True)
+class TimeoutsConfig:
+    """Every wait has an end."""
+
+    source_wall: float = 1.0  # s of wall time that A waits for B's chi of a tick (lockstep)
+    source_stale: float = 0.05  # s of simulated time after which B's chi is stale (realtime)
+    source_patience: float = 0.5  # s of simulated time that A waits for B's first chi (realtime)
+    plan_stale: float = 0.25  # s of simulated time after which a plan is stale (realtime)
+    command_wall: float = 2.0  # s of wall time that the bridge waits for a command (lockstep)
+    watchdog: float = 0.1  # s of simulated time without a command after which the bases brake
+    target_horizon: float = 60.0  # s of simulated time that a target's stamp may be ahead
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a timeout that is not positive."""
+        positive(
+            where,
+            source_wall=self.source_wall,
+            source_stale=self.source_stale,
+            source_patience=self.source_patience,
+            plan_stale=self.plan_stale,
+            command_wall=self.command_wall,
+            watchdog=self.watchdog,
+            target_horizon=self.target_horizon,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class HtmpcRunConfig:
+    """How the HTMPC runs beside the controllers."""
+
+    parameters: str = "lexstack"  # a file of config/htmpc
+    rate: float = 20.0  # Hz, plans per simulated second; rounded to whole ticks
+    always: bool = False  # whether its node runs also where the scenario has no sequences
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a rate that is not positive."""
+        positive(where, rate=self.rate)
+
+    def ticks(self, rate: float) -> int:
+        """Return the ticks from plan to plan, given the ticks per second."""
+        return max(1, round(rate / self.rate))
+
+
+@dataclass(frozen=True, slots=True)
+class EventConfig:
+    """What happens at one time: new references, and perhaps a switch of the stack."""
+
+    at: float  # s, simulated
+    switch: str = ""  # the stack to switch to; empty: none
+    duration: float = 0.0  # s of the transition; 0: from the scenario's transition
+    robots: tuple[str, ...] = ()  # that switch; empty: all that the stack moves
+    ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # by robot
+    base_target: dict[str, Vector3] = field(default_factory=dict)  # by robot: x, y, yaw
+    execute: tuple[str, ...] = ()  # names of sequences that begin
+    changes: tuple[SequenceChangeConfig, ...] = ()  # of sequences that are under way
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for negative times."""
+        not_negative(where, at=self.at, duration=self.duration)
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioConfig:
+    """A whole run."""
+
+    name: str
+    description: str
+    robots: dict[str, PlacementConfig]  # in the order of chi
+    rate: float  # Hz, ticks per simulated second
+    duration: float  # s, simulated
+    initial_stack: str
+    transition: TransitionConfig
+    events: tuple[EventConfig, ...] = ()
+    ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # default: where it starts
+    base_target: dict[str, Vector3] = field(default_factory=dict)  # default: where it starts
+    obstacles: dict[str, ObstacleConfig] = field(default_factory=dict)  # by name
+    plant: PlantConfig = field(default_factory=PlantConfig)  # default: as its model says
+    timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)
+    lead_in: float = 0.5  # s, in which a reference moves to a new target; 0: it steps
+    limit_jerk: bool = False  # at every tick, not only in transitions by bridge_jerk
+    htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)
+    sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
+    streams: tuple[StreamConfig, ...] = ()  # of targets
+    solvers: int = 1  # processes that solve for robot A, each for some of the robots
+    solver: str = "daqp"  # a key of lexstack.hqp.SOLVERS
+    mode: Mode = "lockstep"
+    seed: int = 0
+
+    @property
+    def horizon_ticks(self) -> int:
+        """How many ticks ahead of the present one something may be asked for."""
+        return round(self.timeouts.target_horizon * self.rate)
+
+    @property
+    def plans(self) -> bool:
+        """Whether the HTMPC runs beside the controllers."""
+        return bool(self.sequences) or self.htmpc.always
+
+    @property
+    def stacks_named(self) -> frozenset[str]:
+        """The stacks that the scenario itself asks for."""
+        switched = (event.switch for event in self.events if event.switch)
+        return frozenset((self.initial_stack, *switched))
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for unknown robots and values out of range."""
+        names(where, name=self.name)
+        names(where, ros=True, robots=self.robots)
+        positive(where, rate=self.rate, duration=self.duration)
+        not_negative(where, lead_in=self.lead_in)
+        at_most(where, _FASTEST, rate=self.rate)
+        at_most(where, _LONGEST, duration=self.duration)
+        self._check_counts(where)
+        targets: list[tuple[str, dict[str, PoseConfig] | dict[str, Vector3]]] = [
+            ("ee_target", self.ee_target),
+            ("base_target", self.base_target),
+        ]
+        for i, event in enumerate(self.events):
+            targets += [
+                (f"events[{i}].ee_target", event.ee_target),
+                (f"events[{i}].base_target", event.base_target),
+            ]
+            if event.at >= self.duration:
+                raise ConfigurationError(f"{where}: events[{i}].at: after the scenario's end")
+        pushed = [(f"plant.pushes[{i}]", [push.robot]) for i, push in enumerate(self.plant.pushes)]
+        streamed = [(f"streams[{i}]", [entry.robot]) for i, entry in enumerate(self.streams)]
+        switched = [(f"events[{i}].robots", event.robots) for i, event in enumerate(self.events)]
+        planned = [(f"sequences.{name}", [entry.robot]) for name, entry in self.sequences.items()]
+        for i, event in enumerate(self.events):
+            planned += [(f"events[{i}].changes", [change.robot]) for change in event.changes]
+            for name in event.execute:
+                if name not in self.sequences:
+                    known = ", ".join(self.sequences) or "none"
+                    raise ConfigurationError(
+                        f"{where}: events[{i}].execute: unknown {shown(name)}; known: {known}"
+                    )
+        for key, by_robot in [*targets, *pushed, *streamed, *switched, *planned]:
+            for robot in by_robot:
+                if robot not in self.robots:
+                    known = ", ".join(self.robots)
+                    raise ConfigurationError(
+                        f"{where}: {key}: unknown robot {robot!r}; known: {known}"
+                    )
+
+    def _check_counts(self, where: str) -> None:
+        """Raise ConfigurationError without robots, or for more solvers than robots."""
+        if not self.robots:
+            raise ConfigurationError(f"{where}: robots: at least one robot is needed")
+        if not 1 <= self.solvers <= len(self.robots):
+            raise ConfigurationError(
+                f"{where}: solvers: must be in [1, {len(self.robots)}], one for each robot at most"
+            )

@@ -1,0 +1,104 @@
+"""The schema of ``config/stacks/*.yaml``: one stack of tasks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from lexstack.config.checks import positive
+from lexstack.errors import ConfigurationError
+
+
+@dataclass(frozen=True, slots=True)
+class TaskConfig:
+    """One task of a level: its registered type, its robot, and that type's own parameters."""
+
+    type: str  # a key of lexstack.tasks.TASKS
+    robot: str = ""  # a robot's name; empty: one such task for every robot
+    weight: float = 1.0  # of its squared residual within its level
+    parameters: dict[str, Any] = field(default_factory=dict)  # checked by the task type
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a weight that is not positive."""
+        if not 0.0 < self.weight < float("inf"):
+            raise ConfigurationError(f"{where}: weight: must be finite and > 0, got {self.weight}")
+
+
+@dataclass(frozen=True, slots=True)
+class LevelConfig:
+    """Tasks of equal priority."""
+
+    tasks: tuple[TaskConfig, ...]
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a level without tasks."""
+        if not self.tasks:
+            raise ConfigurationError(f"{where}: tasks: a level needs at least one task")
+
+
+@dataclass(frozen=True, slots=True)
+class JointLimitConfig:
+    """Tighter limits of one joint; what is not given stays as the robot has it."""
+
+    position: tuple[float, float] | None = None  # rad (bases: m, m, rad): lower, upper
+    velocity: float | None = None  # rad/s (bases: m/s, m/s, rad/s)
+    acceleration: float | None = None  # rad/s2 (bases: m/s2, m/s2, rad/s2)
+    jerk: float | None = None  # rad/s3 (bases: m/s3, m/s3, rad/s3)
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a value out of range, or where no limit is given."""
+        if self.position is not None and not self.position[0] < self.position[1]:
+            lower, upper = self.position
+            raise ConfigurationError(f"{where}: position: lower {lower} is not below upper {upper}")
+        rates = {
+            name: getattr(self, name)
+            for name in ("velocity", "acceleration", "jerk")
+            if getattr(self, name) is not None
+        }
+        positive(where, **rates)
+        if self.position is None and not rates:
+            raise ConfigurationError(f"{where}: no limit is given")
+
+
+@dataclass(frozen=True, slots=True)
+class StackConfig:
+    """Ordered levels, index 0 the highest priority, and the limits while they are in effect."""
+
+    name: str
+    description: str
+    levels: tuple[LevelConfig, ...]
+    robots: tuple[str, ...] = ()  # that it moves; empty: all of the scenario
+    # Who solves it in a transition. htmpc: robot A follows the MPC's plan for as long as it is on
+    # this stack, and serves its levels where the plan is lost.
+    source: Literal["robot_b", "htmpc"] = "robot_b"
+    limits: dict[str, dict[str, JointLimitConfig]] = field(default_factory=dict)  # robot, joint
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a stack without levels, or one that contradicts itself."""
+        if not self.levels:
+            raise ConfigurationError(f"{where}: levels: a stack needs at least one level")
+        for name in self.robots:
+            if self.robots.count(name) > 1:
+                raise ConfigurationError(f"{where}: robots: {name!r} stands in it twice")
+        for name in self.named if self.robots else ():
+            if name not in self.robots:
+                known = ", ".join(self.robots)
+                raise ConfigurationError(
+                    f"{where}: robots: {name!r} is named by a task or limit, but not here: {known}"
+                )
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """The robots that the stack names: in ``robots``, in its tasks and in its limits."""
+        tasks = [task for level in self.levels for task in level.tasks]
+        names = [*self.robots, *self.limits]
+        for task in tasks:
+            # Tasks that couple robots name the others in their parameters.
+            others = task.parameters.get("robots") or ()
+            names += [task.robot, str(task.parameters.get("other", "")), *map(str, others)]
+        return tuple(dict.fromkeys(name for name in names if name))
+
+
+def plan_stack(robot: str) -> str:
+    """Return the name of the stack on which a robot follows the HTMPC's plan."""
+    return f"plan_{robot}"

@@ -1,0 +1,1 @@
+"""The controller and the stack solver: one tick of each, as a library call."""

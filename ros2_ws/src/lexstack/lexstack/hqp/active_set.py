@@ -1,0 +1,229 @@
+"""The whole hierarchy at once, for a guess of which bounds and rows hold.
+
+If the guess is right this is the exact optimum: one chain of least-squares problems, each in the
+null space of those above, with the joints of the working set held at their bounds. Whether it is
+right is decided by the optimality conditions of the hierarchy (Escande, Mansard and Wieber 2014):
+chi is inside the box, and the multiplier of everything held is lexicographically positive, that
+is, the highest level that feels it presses against it. A wrong guess is corrected by exchange:
+what is violated is held, what is pulled away from its bound is released.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from lexstack.hqp.bands import settle
+from lexstack.hqp.chain import Step, lay_chain
+from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, Mask, Signs, noise
+from lexstack.hqp.judge import Balance, judge
+from lexstack.hqp.scaling import Bands
+from lexstack.types import Matrix, Vector
+
+
+@dataclass(slots=True)
+class Guess:
+    """What is held: joints at their bounds, shape (n,), and inequality rows, shape (M,)."""
+
+    joints: Signs
+    rows: Signs
+
+    @classmethod
+    def split(cls, hierarchy: Hierarchy, sides: Signs) -> Guess:
+        """Return the guess of one vector: first the joints, then all inequality rows."""
+        n = hierarchy.matrix.shape[1]
+        rows: Signs = np.zeros(hierarchy.lower.size, dtype=np.int8)
+        rows[~hierarchy.equal] = sides[n:]
+        return cls(sides[:n].copy(), rows)
+
+    def copy(self) -> Guess:
+        """Return a guess of its own."""
+        return Guess(self.joints.copy(), self.rows.copy())
+
+    def keep_first_change(self, before: Guess) -> None:
+        """Take back all changes but the first one: of a joint if there is one, else of a row."""
+        first = True
+        for own, old in ((self.joints, before.joints), (self.rows, before.rows)):
+            changed = np.flatnonzero(own != old)[1 if first else 0 :]
+            first = first and not np.count_nonzero(own != old)
+            own[changed] = old[changed]
+
+
+def solve_by_exchange(
+    hierarchy: Hierarchy,
+    lower: Vector,
+    upper: Vector,
+    guess: Guess,
+    rounds: int,
+    *,
+    changes: int | None = None,
+    bands: Bands | None = None,
+) -> Vector | None:
+    """Return the exact optimum chi, shape (n,), or None if no guess in ``rounds`` was right.
+
+    Freedom that no level uses is spent on the smallest ``||chi||``. A level that asks for all of
+    chi is no step of the chain: every step is the shortest possible, so the chain ends at the
+    point that is nearest to its beginning, and it begins at what that level wants.
+
+    Args:
+        hierarchy: all levels.
+        lower: bounds of chi, shape (n,).
+        upper: shape (n,).
+        guess: what probably holds; it is left as the last one tried.
+        rounds: the number of guesses to try.
+        changes: give up where a guess was wrong in more places; None: never.
+        bands: how the levels were divided, if they were.
+    """
+    fixed = hold_fixed(guess, lower, upper)
+    for left in range(rounds - 1, -1, -1):
+        chi, steps = point_of(hierarchy, lower, upper, guess, bands)
+        if not math.isfinite(chi.dot(chi)):
+            return None
+        held = hold(hierarchy, chi, (lower, upper), guess, FEASIBILITY)
+        if held and left == 0:
+            return None
+        wrong = held
+        if steps is not None:
+            wrong += release(hierarchy, steps, chi, guess, fixed, bands)
+        if not wrong:
+            return chi
+        if changes is not None and wrong > changes:
+            return None
+    return None
+
+
+def hold_fixed(guess: Guess, lower: Vector, upper: Vector) -> Mask | None:
+    """Hold the joints that cannot move; return which these are, shape (n,), or None for none."""
+    fixed = upper - lower <= FEASIBILITY
+    if not np.count_nonzero(fixed):
+        return None
+    guess.joints[fixed] = 1
+    return fixed
+
+
+def point_of(
+    hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Guess, bands: Bands | None
+) -> tuple[Vector, list[Step] | None]:
+    """Return the optimum with what is held as equations, and the chain to it.
+
+    The optimum is not finite where there is none. The chain is None where nothing is held.
+    """
+    chi, basis = hierarchy.nearest.copy(), None
+    if np.count_nonzero(guess.joints):
+        chi = _on_bounds(guess.joints, lower, upper, chi)
+        basis = _unit(chi.size).compress(guess.joints == 0, axis=1)
+    pressing = basis is not None or bool(np.count_nonzero(guess.rows))
+    if bands is None or not bands.several:
+        steps = lay_chain(hierarchy, guess.rows, basis, chi, pressing)
+    else:
+        begin = chi.copy()
+        steps = lay_chain(hierarchy, guess.rows, basis, chi, pressing=True)
+        if not settle(steps, bands, begin, chi):
+            chi[:] = np.nan
+    return chi, steps if pressing else None
+
+
+@lru_cache(maxsize=64)
+def _unit(n: int) -> Matrix:
+    """Return the unit matrix, read-only."""
+    unit: Matrix = np.eye(n)
+    unit.setflags(write=False)
+    return unit
+
+
+def _on_bounds(joints: Signs, lower: Vector, upper: Vector, nearest: Vector) -> Vector:
+    """Return chi with the held joints on their bounds; free those that have no such bound."""
+    ends = np.where(joints > 0, upper, lower)
+    chi = np.where(joints != 0, ends, nearest)
+    if not math.isfinite(chi.dot(chi)):
+        joints[np.isinf(ends)] = 0
+        chi = np.where(joints != 0, ends, nearest)
+    return chi
+
+
+def hold(
+    hierarchy: Hierarchy,
+    chi: Vector,
+    box: tuple[Vector, Vector],
+    guess: Guess,
+    inside: float,
+) -> int:
+    """Hold what chi violates by more than ``inside``; return how much that is."""
+    square = chi.dot(chi)
+    held = _hold_violated(chi, *box, guess.joints, inside, square)
+    if not hierarchy.exact:
+        held += _hold_rows(hierarchy, chi, guess.rows, inside, square)
+    return held
+
+
+def _hold_rows(hierarchy: Hierarchy, chi: Vector, rows: Signs, inside: float, square: float) -> int:
+    """Hold the inequality rows that chi violates; return how many there were."""
+    end = hierarchy.deciding[-1].part.stop if hierarchy.deciding else 0
+    if end == 0:
+        return 0
+    lower, upper = hierarchy.lower[:end], hierarchy.upper[:end]
+    value = np.where(hierarchy.equal[:end], lower, hierarchy.matrix[:end].dot(chi))
+    return _hold_violated(value, lower, upper, rows[:end], inside, square)
+
+
+def _hold_violated(
+    value: Vector, lower: Vector, upper: Vector, sides: Signs, inside: float, square: float
+) -> int:
+    """Set the side of every value that is outside and free; return how many there were.
+
+    What counts as outside is more than ``inside``, and more than the rounding of a chi whose
+    squared length is ``square``.
+    """
+    above = value - upper
+    below = lower - value
+    outside = np.maximum(above, below)
+    if outside[outside.argmax()] <= inside:  # four times as fast as max()
+        return 0
+    violated = (outside > max(inside, noise(math.sqrt(square)))) & (sides == 0)
+    sides[violated] = np.where(above > below, 1, -1)[violated]
+    return int(np.count_nonzero(violated))
+
+
+def release(
+    hierarchy: Hierarchy,
+    steps: list[Step],
+    chi: Vector,
+    guess: Guess,
+    fixed: Mask | None,
+    bands: Bands | None,
+) -> int:
+    """Release what the highest level that feels it pulls inside; return how many there were.
+
+    The gradient of each level's objective is balanced by multipliers of the rows above it; what
+    remains of it acts on the joints that are held. Below the last step there is the distance to
+    where the chain began, which feels what is held without need. All levels are balanced in one
+    sweep: row k of ``gradient`` and of ``forces`` belongs to step k.
+    """
+    count = len(steps)
+    gradient = np.empty((count + 1, chi.size))
+    gradient[count] = chi - hierarchy.nearest
+    forces = None if hierarchy.exact else np.zeros((count + 1, guess.rows.size))
+    sweep = []
+    for j in range(count - 1, -1, -1):
+        step = steps[j]
+        residual = step.rows.dot(chi) - step.target
+        gradient[j] = residual.dot(step.rows)
+        below = gradient[j + 1 :]
+        multipliers = step.factor.solve_transposed(
+            below if step.basis is None else below.dot(step.basis)
+        )
+        below -= multipliers.dot(step.rows)
+        sweep.append(multipliers)
+        if forces is not None and step.chosen is not None:
+            forces[j, step.chosen] = residual
+            forces[j + 1 :, step.chosen] = -multipliers
+    # What cannot move anyway is not judged. In place, because it is not needed any more.
+    judged = guess.joints if fixed is None else np.where(fixed, np.int8(0), guess.joints)
+    balance = Balance(steps, chi, sweep, bands)
+    released = judge(guess.joints, judged, np.negative(gradient, out=gradient), balance)
+    if forces is not None:
+        released += judge(guess.rows, guess.rows, forces, balance)
+    return released

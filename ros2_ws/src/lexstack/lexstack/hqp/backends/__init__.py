@@ -1,0 +1,1 @@
+"""QP libraries behind the hierarchy: each names the active set of one level after another."""

@@ -1,0 +1,183 @@
+"""Strict priorities: exchange on the whole hierarchy first, then one level after the other.
+
+Each level of the cascade is solved in the null space of those above, T(8) to T(15) with the
+equalities T(11), T(15) eliminated: chi = chi_k + N z. The bounds of chi and the inequality rows of
+the levels above become two-sided rows of z, clamped so that z = 0 stays feasible whatever rounding
+has done. Every level below therefore only moves where no level above notices.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from lexstack.hqp.active_set import Guess, solve_by_exchange
+from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, LevelRows, Signs
+from lexstack.hqp.level_qp import LevelQp, QpBackend
+from lexstack.hqp.nullspace_level import Walls, reduce_level
+from lexstack.hqp.preconditions import starting_point, touched
+from lexstack.hqp.problem import HqpProblem, Solution, Status
+from lexstack.hqp.rank_revealing_qr import factorise
+from lexstack.hqp.refine import Point, refine
+from lexstack.hqp.scaling import Bands, scaled
+from lexstack.hqp.unmet import with_weights
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import LinearTask, Matrix, Vector
+
+_BACKEND_ERRORS = (ArithmeticError, RuntimeError, ValueError)
+_ROUNDS = 3  # guesses in a row, each a correction of the one before
+_FEW = 2  # wrong places in the last active set: with more of them the backend foresees better
+
+
+class NullSpaceCascade:
+    """The strict solver around a backend for quadratic programs."""
+
+    def __init__(self, backend: QpBackend, guesses: bool = True) -> None:
+        """Use a backend; without ``guesses`` every level goes through it."""
+        self.name = f"{backend.name}_cascade"
+        self._backend = backend
+        self._guesses = guesses
+
+    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
+        """Solve all levels in order.
+
+        Freedom that no level uses is spent on the smallest ``||chi||``. ``warm`` speeds the solve
+        up by its active set and has no other influence than rounding.
+
+        Raises:
+            InputError: a task does not fit chi (a programming error, not a state of the robot).
+        """
+        start = time.perf_counter()
+        # Numbers that are not finite are found and said; numpy need not warn of them as well.
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            hierarchy = Hierarchy(problem.levels, problem.bounds.lower.size)
+            chi, reason = starting_point(hierarchy, problem.bounds.lower, problem.bounds.upper)
+            even, bands = hierarchy, None
+            if not reason:
+                even, bands = scaled(hierarchy, problem.levels)
+                guess = _last(hierarchy, warm, chi.size)
+                if bands is not None:
+                    guess.rows = bands.rows_of(guess.rows)
+                held = warm.active if warm is not None and warm.active.size == chi.size else None
+                chi, reason = self._chi(even, bands, problem.bounds, chi, guess, held)
+            slacks = hierarchy.slacks(hierarchy.residual(chi))
+            rows = even.touched(chi)
+            if bands is not None:
+                rows = bands.restored(rows)
+        active = touched(chi, problem.bounds)
+        for array in (chi, active, slacks, rows):
+            array.setflags(write=False)
+        status = Status.FAILED if reason else Status.SOLVED
+        return Solution(chi, slacks, status, reason, active, time.perf_counter() - start, rows)
+
+    def _chi(
+        self,
+        hierarchy: Hierarchy,
+        bands: Bands | None,
+        bounds: Bounds,
+        chi: Vector,
+        guess: Guess,
+        held: Signs | None,
+    ) -> tuple[Vector, str]:
+        """Return chi inside the bounds, and why it is not the optimum, if it is not.
+
+        Args:
+            hierarchy: scaled.
+            bands: how, if it was.
+            bounds: of chi.
+            chi: a point inside them, shape (n,).
+            guess: what probably holds.
+            held: the joints that held at the last optimum, if there is one, shape (n,).
+        """
+        lower, upper = bounds.lower, bounds.upper
+        if not chi.size:
+            return chi, ""
+        if self._guesses:
+            guessed = self._guess(hierarchy, lower, upper, guess, bands)
+            if guessed is not None:
+                return np.minimum(np.maximum(guessed, lower), upper), ""
+        chi, k, why = self._descend(
+            hierarchy.levels, lower, upper, chi, guess.joints if held is None else held
+        )
+        if why:
+            level = k if bands is None else bands.owner[k]
+            return chi, f"level {level}: {self._backend.name}: {why}"
+        if bands is None or not bands.several:
+            return chi, ""
+        return with_weights(hierarchy, bands, (lower, upper), chi)
+
+    def _guess(
+        self,
+        hierarchy: Hierarchy,
+        lower: Vector,
+        upper: Vector,
+        guess: Guess,
+        bands: Bands | None,
+    ) -> Vector | None:
+        """Return the optimum if the last active set, or one that the backend foresees, is its."""
+        chi = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, changes=_FEW, bands=bands)
+        if chi is not None:
+            return chi
+        try:
+            sides = self._backend.foresee(hierarchy, lower, upper, guess.joints)
+        except _BACKEND_ERRORS:
+            sides = None
+        if sides is None:
+            return None
+        foreseen = Guess.split(hierarchy, sides)
+        return solve_by_exchange(hierarchy, lower, upper, foreseen, _ROUNDS, bands=bands)
+
+    def _descend(
+        self, levels: list[LevelRows], lower: Vector, upper: Vector, chi: Vector, held: Signs
+    ) -> tuple[Vector, int, str]:
+        """Solve level by level from a chi inside the bounds; return chi, where it ended and why."""
+        basis: Matrix = np.eye(lower.size)[:, upper - lower > FEASIBILITY]
+        walls = [Walls.of_bounds(lower, upper)]
+        for k, level in enumerate([*levels, _smallest(lower.size)]):
+            if basis.shape[1] == 0:
+                break
+            qp, joints = reduce_level(level, chi, basis, walls)
+            point = self._solve_level(qp, held[joints])
+            if isinstance(point, str):
+                # All levels are solved when only the smallest chi is not.
+                return chi, k, "" if k == len(levels) else point
+            chi = np.minimum(np.maximum(chi + basis.dot(point.z), lower), upper)
+            basis = basis.dot(point.null)
+            if not level.exact:
+                walls.append(Walls.of_satisfied(level, point.broken))
+        return chi, 0, ""
+
+    def _solve_level(self, qp: LevelQp, guess: Signs) -> Point | str:
+        """Return the optimum of a level, or the backend's word for why there is none."""
+        factor = factorise(qp.objective, qp.tolerance)
+        x = factor.solve(qp.target)
+        if qp.contains(x):
+            r = x.size - qp.slacks
+            return Point(x[:r], factor.null[:r], np.zeros(qp.slacks, dtype=np.bool_))
+        if factor.rank < min(qp.objective.shape):
+            # What counts as zero is made zero, so that the backend and the levels below agree.
+            rounding = qp.objective.dot(factor.null).dot(factor.null.T)
+            qp = replace(qp, objective=qp.objective - rounding)
+        try:
+            sides = self._backend.solve(qp, guess)
+        except _BACKEND_ERRORS as error:
+            return str(error)
+        return sides if isinstance(sides, str) else refine(qp, sides)
+
+
+def _last(hierarchy: Hierarchy, warm: Solution | None, n: int) -> Guess:
+    """Return the active set of the solution before, as far as it fits; else nothing is held."""
+    rows: Signs = np.zeros(hierarchy.lower.size, dtype=np.int8)
+    if warm is None or warm.active.size != n:
+        return Guess(np.zeros(n, dtype=np.int8), rows)
+    if not hierarchy.exact and warm.rows.size == rows.size:
+        ends = np.where(warm.rows > 0, hierarchy.upper, hierarchy.lower)
+        rows = np.where(hierarchy.equal | np.isinf(ends), np.int8(0), warm.rows)
+    return Guess(warm.active.copy(), rows)
+
+
+def _smallest(n: int) -> LevelRows:
+    """Return the level below all others: the smallest ``||chi||`` of what is still free."""
+    return Hierarchy(((LinearTask.equality("smallest", np.eye(n), np.zeros(n)),),), n).levels[0]

@@ -1,0 +1,176 @@
+"""Which joints a problem couples, and how it falls into parts that do not know each other.
+
+Two joints are coupled where a row of any level has both. What is not coupled is solved apart: the
+cost then grows with the number of robots and not with its cube. Small clusters are put together
+into parts of some size, because a solve of 20 joints costs hardly more than one of 10.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack.hqp.hierarchy import Indices, unit_scale
+from lexstack.hqp.problem import HqpProblem
+from lexstack.types import LinearTask, Matrix
+
+Place = slice | Indices
+"""Rows or columns: a slice where they stand side by side."""
+
+Footprint = tuple[int, bytes]
+"""Of a task: its number of rows; the mask of the columns of each of its separable parts."""
+
+_REMEMBERED = 1000  # matrices
+_UNIT = b""  # the mask of a task whose rows are those of the unit matrix, in this order
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """The rows of one task that belong to a part.
+
+    Attributes:
+        task: its place among all tasks of all levels.
+        rows: of the task; None for all.
+    """
+
+    task: int
+    rows: Place | None
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Some clusters of a problem, to be solved together.
+
+    Attributes:
+        columns: its joints.
+        levels: the rows that each level has on them.
+        rows: their places among all rows of the problem, in the order of ``levels``.
+    """
+
+    columns: Place
+    levels: tuple[tuple[Share, ...], ...]
+    rows: Indices
+
+
+class Structure:
+    """Finds the parts of problems; it remembers the footprints of matrices that cannot change."""
+
+    def __init__(self, size: int) -> None:
+        """Make parts of whole clusters, together at most ``size`` joints if they can."""
+        self._size = size
+        # With the matrix, so that no other one gets its id.
+        self._known: dict[int, tuple[Matrix, Footprint]] = {}
+
+    def parts_of(self, problem: HqpProblem) -> tuple[Part, ...]:
+        """Return the parts of a problem.
+
+        Only zeros that are zeros count: a part has all rows of its joints, exactly.
+        """
+        n = problem.bounds.lower.size
+        prints = tuple(
+            [tuple([self._footprint(task.matrix) for task in level]) for level in problem.levels]
+        )
+        return _parts(n, prints, self._size)
+
+    def _footprint(self, matrix: Matrix) -> Footprint:
+        """Return the footprint of a matrix."""
+        known = self._known.get(id(matrix))
+        if known is not None:
+            return known[1]
+        found = footprint(matrix)
+        if matrix.base is None and not matrix.flags.writeable:
+            if len(self._known) >= _REMEMBERED:
+                self._known.clear()
+            self._known[id(matrix)] = matrix, found
+        return found
+
+
+def footprint(matrix: Matrix) -> Footprint:
+    """Return what the parts of a problem depend on: the rows and the columns of a task."""
+    rows, columns = matrix.shape
+    if rows == columns and unit_scale(matrix):
+        return rows, _UNIT
+    return rows, matrix.any(axis=0).tobytes()
+
+
+def share(task: LinearTask, rows: Place | None, columns: Place) -> LinearTask:
+    """Return the rows of a task that belong to a part, on its joints."""
+    if rows is None:
+        matrix = task.matrix[:, columns]
+        return LinearTask(task.name, matrix, task.lower, task.upper)
+    lower = task.lower[rows]
+    upper = lower if task.upper is task.lower else task.upper[rows]
+    return LinearTask(task.name, task.matrix[rows][:, columns], lower, upper)
+
+
+@lru_cache(maxsize=64)
+def _parts(n: int, prints: tuple[tuple[Footprint, ...], ...], size: int) -> tuple[Part, ...]:
+    """Return the parts of a problem with these footprints."""
+    masks = [_columns(mask, n) for level in prints for _, mask in level]
+    groups = _packed(_clusters(n, [columns for columns in masks if columns is not None]), size)
+    owner = np.empty(n, dtype=np.intp)
+    for number, group in enumerate(groups):
+        owner[group] = number
+    levels: list[list[list[Share]]] = [[[] for _ in prints] for _ in groups]
+    places: list[list[Indices]] = [[] for _ in groups]
+    task, start = 0, 0
+    for k, level in enumerate(prints):
+        for rows, _ in level:
+            columns = masks[task]
+            if columns is None:
+                for number, group in enumerate(groups):
+                    levels[number][k].append(Share(task, _place(group)))
+                    places[number].append(start + group)
+            else:
+                number = int(owner[columns[0]]) if columns.size else 0
+                levels[number][k].append(Share(task, None))
+                places[number].append(start + np.arange(rows))
+            task, start = task + 1, start + rows
+    return tuple(
+        Part(
+            _place(group),
+            tuple(tuple(shares) for shares in levels[number]),
+            np.concatenate([np.empty(0, dtype=np.intp), *places[number]]),
+        )
+        for number, group in enumerate(groups)
+    )
+
+
+def _columns(mask: bytes, n: int) -> Indices | None:
+    """Return the columns of a mask, None for the unit matrix."""
+    return None if mask == _UNIT and n else np.flatnonzero(np.frombuffer(mask, dtype=np.bool_))
+
+
+def _clusters(n: int, coupled: list[Indices]) -> list[Indices]:
+    """Return the joints of each cluster, in the order of their first joints."""
+    label = np.arange(n)
+    changed = True
+    while changed:
+        before = label.copy()
+        for columns in coupled:
+            if columns.size:
+                label[columns] = label[columns].min()
+        changed = bool((label != before).any())
+    return [np.flatnonzero(label == first) for first in np.unique(label)]
+
+
+def _packed(clusters: list[Indices], size: int) -> list[Indices]:
+    """Return neighbouring clusters together as long as they have at most ``size`` joints."""
+    groups: list[list[Indices]] = [[]]
+    for cluster in clusters:
+        if groups[-1] and sum(part.size for part in groups[-1]) + cluster.size > size:
+            groups.append([])
+        groups[-1].append(cluster)
+    return [np.sort(np.concatenate([np.empty(0, dtype=np.intp), *group])) for group in groups]
+
+
+def _place(indices: NDArray[np.intp]) -> Place:
+    """Return a slice where the indices stand side by side."""
+    if all(b == a + 1 for a, b in pairwise(indices.tolist())):
+        first = int(indices[0]) if indices.size else 0
+        return slice(first, first + indices.size)
+    return indices

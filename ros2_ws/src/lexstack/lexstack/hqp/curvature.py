@@ -1,0 +1,85 @@
+"""Second derivatives of the tasks along the robots' chains, which Gauss-Newton leaves out.
+
+A level with rows J and error e minimises f = |e|^2 / 2 with de/dq = -J. Its second derivative is
+
+    J^T J + B(e)          B(e) = - sum_r e_r d2x_r/dq2
+
+with x what the rows are the derivative of. For a frame that a chain of joints moves, with the axis
+w_i of joint i (0 for a prismatic one) and its linear column v_i of the Jacobian,
+
+    d v_j / dq_i = w_i x v_j          d w_j / dq_i = w_i x w_j   (i < j; half of it, symmetrised)
+
+so with a force f and a moment t along the rows, for i <= j,
+
+    B_ij = w_i . (f x v_j + (t x w_j) / 2)
+
+two products of small matrices, and no finite differences.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from lexstack.robots import Kinematics
+from lexstack.types import LinearTask, Matrix, Vector
+
+
+def add_curvature(
+    into: Matrix,
+    task: LinearTask,
+    weights: Vector,
+    kinematics: Kinematics,
+    places: dict[int, slice],
+) -> None:
+    """Add B(e) of a task to a matrix, in place; nothing where the task is linear in the joints.
+
+    Args:
+        into: shape (r, r), over the joints of some robots.
+        task: with a curve.
+        weights: e of its rows, or what stands for it, shape (m,).
+        kinematics: of the state at which the task was made linear.
+        places: of each of these robots' joints in ``into``.
+    """
+    curve = task.curve
+    if curve is None:
+        return
+    for robot, columns, sign in zip(curve.robots, curve.columns, curve.signs, strict=False):
+        forces = np.zeros(6)
+        forces[: weights.size] = (sign * curve.scale) * weights
+        linear = (sign / curve.scale) * task.matrix[:3, columns]
+        here = places[robot]
+        into[here, here] += chain_curvature(linear, kinematics.jacobians[robot][3:], forces)
+
+
+def chain_curvature(linear: Matrix, axes: Matrix, forces: Vector) -> Matrix:
+    """Return B of one chain, symmetric, shape (n, n).
+
+    Args:
+        linear: the frame's linear columns v, shape (3, n), in the order of the chain.
+        axes: its angular columns w, shape (3, n).
+        forces: f and t, shape (6,), along the rows of the frame's Jacobian.
+    """
+    turned = _cross(forces[:3]).dot(linear)
+    turned += (0.5 * _cross(forces[3:])).dot(axes)
+    products: Matrix = axes.T.dot(turned)
+    upper, strictly = _triangles(len(products))
+    result: Matrix = products * upper
+    result += (products * strictly).T
+    return result
+
+
+@lru_cache(maxsize=64)
+def _triangles(n: int) -> tuple[Matrix, Matrix]:
+    """Return masks of the upper triangle, with and without the diagonal, read-only."""
+    masks = np.triu(np.ones((n, n))), np.triu(np.ones((n, n)), 1)
+    for mask in masks:
+        mask.setflags(write=False)
+    return masks
+
+
+def _cross(vector: Vector) -> Matrix:
+    """Return the matrix of ``vector x``, shape (3, 3)."""
+    x, y, z = vector.tolist()
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

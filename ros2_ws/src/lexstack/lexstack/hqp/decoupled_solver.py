@@ -1,0 +1,104 @@
+"""Problems of many robots: what no task couples is solved apart and put together again."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from lexstack.hqp.coupling import Part, Structure, share
+from lexstack.hqp.problem import HqpProblem, HqpSolver, Solution, Status
+from lexstack.limits.viable_bounds import Bounds
+
+SIZE = 40  # joints of a part: measured, the cost per joint is least between 20 and 60
+
+
+class ClusteredSolver:
+    """Any solver, with a cost that is linear in the number of robots that no task couples."""
+
+    def __init__(self, inner: HqpSolver, size: int = SIZE) -> None:
+        """Solve with ``inner``, in parts of at most ``size`` joints where the problem has them."""
+        self.name = inner.name
+        self._inner = inner
+        self._size = size
+        self._structure = Structure(size)
+
+    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
+        """Solve all levels in order; each part as if the others were not there.
+
+        Raises:
+            InputError: a task does not fit chi (a programming error, not a state of the robot).
+        """
+        n = problem.bounds.lower.size
+        if n <= self._size or not _fits(problem, n):
+            return self._inner.solve(problem, warm)
+        start = time.perf_counter()
+        parts = self._structure.parts_of(problem)
+        if len(parts) == 1:
+            return self._inner.solve(problem, warm)
+        tasks = [task for level in problem.levels for task in level]
+        solutions = []
+        for part in parts:
+            levels = tuple(
+                [
+                    tuple([share(tasks[own.task], own.rows, part.columns) for own in level])
+                    for level in part.levels
+                ]
+            )
+            columns = part.columns
+            box = Bounds(problem.bounds.lower[columns], problem.bounds.upper[columns])
+            solutions.append(self._inner.solve(HqpProblem(levels, box), _warm(warm, part, n)))
+        return _together(parts, solutions, n, len(problem.levels), start)
+
+
+def _fits(problem: HqpProblem, n: int) -> bool:
+    """Return whether all matrices have n columns; the solver inside says what is wrong."""
+    tasks = [task for level in problem.levels for task in level]
+    return not [task for task in tasks if task.matrix.ndim != 2 or task.matrix.shape[1] != n]
+
+
+def _warm(warm: Solution | None, part: Part, n: int) -> Solution | None:
+    """Return what a solution says of a part."""
+    if warm is None or warm.active.size != n:
+        return None
+    columns = part.columns
+    rows = warm.rows
+    if rows.size:
+        rows = rows[part.rows] if rows.size > part.rows.max(initial=-1) else rows[:0]
+    return Solution(
+        warm.chi[columns], warm.slacks, warm.status, warm.reason, warm.active[columns], 0.0, rows
+    )
+
+
+def _together(
+    parts: tuple[Part, ...], solutions: list[Solution], n: int, levels: int, start: float
+) -> Solution:
+    """Return the solution of the whole: joints beside each other, residuals as one vector."""
+    chi, active = np.empty(n), np.empty(n, dtype=np.int8)
+    squares = np.zeros(levels)
+    rows = np.zeros(sum([part.rows.size for part in parts]), dtype=np.int8)
+    reasons, notes = [], []
+    for part, solution in zip(parts, solutions, strict=True):
+        chi[part.columns] = solution.chi
+        active[part.columns] = solution.active
+        squares += solution.slacks * solution.slacks
+        if solution.rows.size:
+            rows[part.rows] = solution.rows
+        if solution.reason:
+            reasons.append(f"{_where(part)}: {solution.reason}")
+        if solution.note:
+            notes.append(f"{_where(part)}: {solution.note}")
+    slacks = np.sqrt(squares)
+    for array in (chi, active, slacks, rows):
+        array.setflags(write=False)
+    status = Status.FAILED if reasons else Status.SOLVED
+    elapsed = time.perf_counter() - start
+    reason, note = "; ".join(reasons), "; ".join(notes)
+    return Solution(chi, slacks, status, reason, active, elapsed, rows, note)
+
+
+def _where(part: Part) -> str:
+    """Return the joints of a part in words; its solver counts them from the first one."""
+    if isinstance(part.columns, slice):
+        return f"in joints {part.columns.start} to {part.columns.stop - 1}"
+    return "in joints " + ", ".join(map(str, part.columns))

@@ -1,0 +1,65 @@
+"""What happens when a solver fails: the next one is asked, and nothing goes out unchecked.
+
+The order is stated once, in ``lexstack.hqp.make_solver``: the configured solver, then one
+around another library that takes no guesses, so that the two share neither the library nor the
+shortcut. If both fail, the solution says so, and the controller brakes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from lexstack.hqp.problem import HqpProblem, HqpSolver, Solution, Status
+from lexstack.limits.viable_bounds import Bounds
+
+ROUNDING = 1e-7  # how far chi may leave the box, in its unit
+
+
+class FallbackSolver:
+    """Solvers in the order in which they are asked."""
+
+    def __init__(self, first: HqpSolver, *others: HqpSolver) -> None:
+        """Ask ``first``, and the others one after the other where it fails."""
+        self.name = first.name
+        self._first = first
+        self._others = others
+
+    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
+        """Return the first solution that passes ``refusal``, its ``note`` naming those that failed.
+
+        Where none does, it is the first solver's, failed, with the reasons of all.
+
+        Raises:
+            InputError: a task does not fit chi (a programming error, not a state of the robot).
+        """
+        first = self._first.solve(problem, warm)
+        why = refusal(first, problem.bounds)
+        if not why:
+            return first
+        reasons = [f"{self._first.name}: {why}"]
+        seconds = first.solve_time
+        for solver in self._others:
+            solution = solver.solve(problem)
+            seconds += solution.solve_time
+            why = refusal(solution, problem.bounds)
+            if not why:
+                note = f"{'; '.join(reasons)}; solved by {solver.name}"
+                return replace(solution, note=note, solve_time=seconds)
+            reasons.append(f"{solver.name}: {why}")
+        reason = "; ".join(reasons)
+        return replace(first, status=Status.FAILED, reason=reason, solve_time=seconds)
+
+
+def refusal(solution: Solution, bounds: Bounds) -> str:
+    """Return why a solution may not be sent, or '': failed, not finite, or out of the box."""
+    if not solution.solved:
+        return solution.reason
+    chi = solution.chi
+    outside = np.maximum(bounds.lower - chi, chi - bounds.upper)
+    if not outside.size or outside[outside.argmax()] <= ROUNDING:  # never so for a NaN
+        return ""
+    if not np.isfinite(chi).all():
+        return "the solver returned numbers that are not finite"
+    return f"the solver left the bounds by {outside.max():.3g}"

@@ -1,0 +1,48 @@
+"""What every solver looks at: whether a problem can be solved at all, and which bounds hold."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, Signs
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.types import Vector
+
+
+def starting_point(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> tuple[Vector, str]:
+    """Return the point of the bounds next to zero, and why the problem is unusable, if it is."""
+    chi = np.minimum(np.maximum(lower, 0.0), upper)
+    ordered = lower <= upper
+    if np.count_nonzero(ordered) < chi.size or not math.isfinite(chi.dot(chi)):
+        usable = ordered & np.isfinite(chi)
+        joint = int(np.argmin(usable))
+        reason = f"bounds: joint {joint}: [{lower[joint]}, {upper[joint]}] holds no number"
+        return np.where(usable, chi, 0.0), reason
+    residual = hierarchy.lower if hierarchy.exact else hierarchy.residual(chi)
+    norms = sum([level.norm for level in hierarchy.levels])
+    if not math.isfinite(norms + residual.dot(residual)):
+        slacks = hierarchy.slacks(residual)
+        sizes = [slack + level.norm for slack, level in zip(slacks, hierarchy.levels, strict=True)]
+        k = next((k for k, size in enumerate(sizes) if not math.isfinite(size)), 0)
+        return chi, f"level {k}: a task holds a number that is not finite, or too large"
+    if not hierarchy.exact:
+        for k, level in enumerate(hierarchy.levels):
+            if not (level.lower <= level.upper).all():
+                return chi, f"level {k}: a task has a row whose lower end is above its upper end"
+    return chi, ""
+
+
+def touched(chi: Vector, bounds: Bounds) -> Signs:
+    """Return -1 where chi is at its lower bound, +1 where it is at its upper bound, or both.
+
+    Up to rounding: it is the next solve's first guess.
+    """
+    above, below = bounds.upper - chi, chi - bounds.lower
+    room = np.minimum(above, below)
+    sides: Signs = np.zeros(chi.size, dtype=np.int8)
+    if room.size and room[room.argmin()] <= FEASIBILITY:
+        sides[below <= FEASIBILITY] = -1
+        sides[above <= FEASIBILITY] = 1
+    return sides

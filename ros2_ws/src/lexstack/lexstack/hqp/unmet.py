@@ -1,0 +1,106 @@
+"""From the optimum of bands solved like levels to that of the levels whose bands they are.
+
+The cascade solves one band after the other, as if each were infinitely larger than the next one.
+Where a level is met that is its optimum. Where it is not, the chain of `exchange.py` finds the
+optimum from the active set of the cascade's; and if it does not, the answer is refused, except
+where the bands differ so much that nobody could tell.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from lexstack.hqp.active_set import (
+    Guess,
+    hold,
+    hold_fixed,
+    point_of,
+    release,
+    solve_by_exchange,
+)
+from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, Mask, Signs, noise
+from lexstack.hqp.scaling import Bands
+from lexstack.types import Vector
+
+_ROUNDS = 10
+_SINGLE_ROUNDS = 300
+# A large band gives way to a small one by so little that the active set may not be resolved.
+_NEARLY = 1e-9
+_ENORMOUS = 2.0**17  # its square is the share by which a small band moves a large one
+
+
+def with_weights(
+    hierarchy: Hierarchy, bands: Bands, box: tuple[Vector, Vector], chi: Vector
+) -> tuple[Vector, str]:
+    """Return the optimum of the levels as given, or why it was not found.
+
+    Args:
+        hierarchy: scaled.
+        bands: how; a level has several.
+        box: bounds of chi, shapes (n,).
+        chi: the optimum of the bands as levels, shape (n,).
+    """
+    unmet = _unmet(hierarchy, bands, chi)
+    if unmet < 0:
+        return chi, ""
+    lower, upper = box
+    near = max(FEASIBILITY, noise(math.sqrt(chi.dot(chi))))
+    joints: Signs = np.zeros(chi.size, dtype=np.int8)
+    joints[chi - lower <= near] = -1
+    joints[upper - chi <= near] = 1
+    guess = Guess(joints, hierarchy.touched(chi))
+    careful = guess.copy()
+    found = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, bands=bands)
+    if found is None:
+        found = _one_by_one(hierarchy, bands, box, careful)
+    if found is not None:
+        return np.minimum(np.maximum(found, lower), upper), ""
+    if bands.gap() >= _ENORMOUS:
+        return chi, ""
+    return chi, f"level {unmet}: its rows differ too much in size"
+
+
+def _one_by_one(
+    hierarchy: Hierarchy, bands: Bands, box: tuple[Vector, Vector], guess: Guess
+) -> Vector | None:
+    """Return the optimum, found by exchanging only the first wrong place of each guess.
+
+    Murty's rule of the least index: it takes longer, and it cannot cycle. What a large band gives
+    way may be too little for the sign of a force to be seen. But a joint that leaves the box as
+    soon as it alone is released was held rightly, and is not judged until something else changes.
+    """
+    fixed = hold_fixed(guess, *box)
+    kept: Mask = np.zeros(guess.joints.size, dtype=np.bool_)
+    last = -1
+    for _ in range(_SINGLE_ROUNDS):
+        chi, steps = point_of(hierarchy, *box, guess, bands)
+        if not math.isfinite(chi.dot(chi)):
+            return None
+        before = guess.copy()
+        wrong = hold(hierarchy, chi, box, guess, _NEARLY)
+        if steps is not None:
+            unjudged = kept if fixed is None else kept | fixed
+            wrong += release(hierarchy, steps, chi, guess, unjudged, bands)
+        if not wrong:
+            return chi
+        guess.keep_first_change(before)
+        changed = np.flatnonzero(guess.joints != before.joints)
+        joint = int(changed[0]) if changed.size else -1
+        back = joint >= 0 and joint == last and guess.joints[joint] != 0
+        kept[:] = False
+        if back:
+            kept[joint] = True
+        last = joint
+    return None
+
+
+def _unmet(hierarchy: Hierarchy, bands: Bands, chi: Vector) -> int:
+    """Return the first level of several bands that is not met, or -1."""
+    residual = np.abs(hierarchy.residual(chi))
+    near = max(FEASIBILITY, noise(math.sqrt(chi.dot(chi))))
+    for level, owner in zip(hierarchy.levels, bands.owner, strict=True):
+        if bands.owner.count(owner) > 1 and residual[level.part].max(initial=0.0) > near:
+            return owner
+    return -1

@@ -1,0 +1,97 @@
+"""The limits of all joints, and boxes on chi, as values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack.errors import ModelError
+from lexstack.types import Vector
+
+# Stands for an infinite position limit: far enough that the velocity limit decides, near enough
+# that 2 a d does not overflow.
+_FAR = 1e100
+LIMITS = ("position_lower", "position_upper", "velocity", "acceleration", "jerk")
+"""The limits of a joint, by their names in ``JointLimits``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """A box ``lower <= chi <= upper``; +-inf is legal, ``lower <= upper`` always holds.
+
+    Attributes:
+        lower: shape (n,), m/s and rad/s.
+        upper: shape (n,), m/s and rad/s.
+    """
+
+    lower: Vector
+    upper: Vector
+
+    @property
+    def empty(self) -> int:
+        """Number of joints whose interval is empty (0 for every box made in ``bounds``)."""
+        return int(np.count_nonzero(~(self.lower <= self.upper)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointLimits:
+    """What the joints of all robots can do; read-only copies, of shape (n,) unless said.
+
+    Raises ModelError if the lengths differ, or a value is not what its line below says.
+
+    Attributes:
+        position_lower: m and rad; -inf where there is none.
+        position_upper: m and rad, at least ``position_lower``; inf where there is none.
+        velocity: m/s and rad/s, finite and positive.
+        acceleration: m/s^2 and rad/s^2, finite and positive.
+        jerk: m/s^3 and rad/s^3, positive; inf where there is none.
+        walls: both position limits, lower first, finite, shape (2n,).
+        speeds: ``velocity`` for either of them, shape (2n,).
+        rates: ``acceleration`` for either of them, shape (2n,).
+    """
+
+    position_lower: Vector
+    position_upper: Vector
+    velocity: Vector
+    acceleration: Vector
+    jerk: Vector
+    # Below: the lower, then the upper side in one vector, so that one pass of plain vector
+    # operations makes both sides of a box; broadcasting would double the time of each.
+    walls: Vector = field(init=False, repr=False)
+    speeds: Vector = field(init=False, repr=False)
+    rates: Vector = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Copy, check and freeze the arrays."""
+        for name in ("position_lower", "position_upper", "velocity", "acceleration", "jerk"):
+            value = np.array(getattr(self, name), dtype=np.float64)
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+            if value.ndim != 1 or value.size != self.position_lower.size:
+                expected = f"({self.position_lower.size},)"
+                raise ModelError(f"joint limits: {name}: shape {value.shape}, expected {expected}")
+        self._require(
+            self.position_lower <= self.position_upper, "position_lower", "at most position_upper"
+        )
+        for name in ("velocity", "acceleration"):
+            value = getattr(self, name)
+            self._require(np.isfinite(value) & (value > 0.0), name, "finite and positive")
+        self._require(self.jerk > 0.0, "jerk", "positive")
+        walls = np.concatenate((self.position_lower, self.position_upper))
+        object.__setattr__(self, "walls", np.clip(walls, -_FAR, _FAR))
+        object.__setattr__(self, "speeds", np.concatenate((self.velocity,) * 2))
+        object.__setattr__(self, "rates", np.concatenate((self.acceleration,) * 2))
+
+    def _require(self, holds: NDArray[np.bool_], name: str, what: str) -> None:
+        """Raise ModelError for the first joint that breaks a rule."""
+        if not holds.all():
+            joint = int(np.argmin(holds))
+            value = getattr(self, name)[joint]
+            raise ModelError(f"joint limits: {name}[{joint}] = {value}, must be {what}")
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return int(self.position_lower.size)

@@ -1,0 +1,65 @@
+"""The double integrator over the horizon, condensed: linear in the inputs, H(4) with G = I.
+
+The base velocity is in the world frame, so q' = v and v' = u hold exactly, joint by joint. With an
+input that is constant over each stage,
+
+    v_k = v_0 + dt sum_{j<k} u_j        q_k = q_0 + k dt v_0 + dt^2 sum_{j<k} (k - j - 1/2) u_j
+
+The same two matrices hold for every joint; they and their products depend on N and dt alone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lexstack.types import Matrix, Vector
+
+
+class Horizon:
+    """N stages of length dt, and the matrices that lead from inputs to states.
+
+    Attributes:
+        stages: N.
+        step: dt [s].
+        times: of the states 0 to N, from now, shape (N + 1,), s.
+        to_position: C, q_k of the inputs, k = 1 ... N, shape (N, N).
+        to_velocity: D, v_k of the inputs, shape (N, N).
+        position_products: C_ki C_kj, shape (N N, N): a column for each stage k.
+        velocity_products: D_ki D_kj, likewise.
+        change: u to its differences, the first one from the input before, shape (N, N).
+    """
+
+    def __init__(self, stages: int, step: float) -> None:
+        """Make the matrices once."""
+        self.stages = stages
+        self.step = step
+        self.times: Vector = step * np.arange(stages + 1, dtype=np.float64)
+        past: Matrix = np.tri(stages)
+        index: Vector = np.arange(stages, dtype=np.float64)
+        self.to_velocity: Matrix = step * past
+        ages: Matrix = index[:, None] - index + 0.5  # of each input at each state, in stages
+        self.to_position: Matrix = np.multiply(step * step, past * ages)
+        self.position_products: Matrix = _products(self.to_position)
+        self.velocity_products: Matrix = _products(self.to_velocity)
+        self.change: Matrix = np.eye(stages) - np.eye(stages, k=-1)
+
+    def roll_out(self, q: Vector, v: Vector, u: Matrix) -> tuple[Matrix, Matrix]:
+        """Return q and v at the states 0 to N, shapes (N + 1, n), for inputs of shape (N, n)."""
+        positions = q + self.times[:, None] * v
+        positions[1:] += self.to_position @ u
+        velocities = np.empty_like(positions)
+        velocities[0] = v
+        velocities[1:] = v + self.to_velocity @ u
+        return positions, velocities
+
+    def braking(self, v: Vector, acceleration: Vector) -> Matrix:
+        """Return the inputs that stop every joint as fast as its limit allows, shape (N, n)."""
+        reach = np.arange(self.stages + 1)[:, None] * acceleration * self.step
+        speeds = np.maximum(np.abs(v) - reach, 0.0)
+        return np.asarray(np.sign(v) * np.diff(speeds, axis=0) / self.step)
+
+
+def _products(matrix: Matrix) -> Matrix:
+    """Return M_ki M_kj for every stage k, shape (N N, N)."""
+    count = len(matrix)
+    return np.ascontiguousarray(np.einsum("ki,kj->ijk", matrix, matrix).reshape(-1, count))

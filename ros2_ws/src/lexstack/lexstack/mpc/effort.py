@@ -1,0 +1,64 @@
+"""The control effort J_eff, H(10): quadratic in the inputs, its Hessian never changes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack.config.htmpc import EffortConfig
+from lexstack.mpc.double_integrator import Horizon
+from lexstack.types import Matrix, Vector
+
+_BASE = 3
+
+
+class Effort:
+    """J_eff = (|v|_S^2 + |u|_R^2 + |Delta u|_W^2) / 2 over the horizon.
+
+    Attributes:
+        hessian: for every joint one matrix, shape (N, N, n).
+    """
+
+    def __init__(self, config: EffortConfig, horizon: Horizon, joints: int) -> None:
+        """Condense the weights for a robot with ``joints`` joints, the base first."""
+        self._horizon = horizon
+        self._velocity = _weights(config.base_velocity, config.arm_velocity, joints)
+        self._input = _weights(config.base_input, config.arm_input, joints)
+        self._change = _weights(config.base_change, config.arm_change, joints)
+        velocities, changes = horizon.to_velocity, horizon.change
+        self.hessian: NDArray[np.float64] = (
+            (velocities.T @ velocities)[:, :, None] * self._velocity
+            + np.eye(horizon.stages)[:, :, None] * self._input
+            + (changes.T @ changes)[:, :, None] * self._change
+        )
+
+    def value(self, v: Matrix, u: Matrix, previous: Vector) -> float:
+        """Return J_eff of v (states 1 to N), u, both (N, n), and the input before, (n,)."""
+        changes = self._changes(u, previous)
+        total = (
+            np.vdot(v * self._velocity, v)
+            + np.vdot(u * self._input, u)
+            + np.vdot(changes * self._change, changes)
+        )
+        return 0.5 * float(total)
+
+    def gradient(self, v: Matrix, u: Matrix, previous: Vector) -> Matrix:
+        """Return its gradient in the inputs, shape (N, n)."""
+        changes = self._changes(u, previous) * self._change
+        return np.asarray(
+            self._horizon.to_velocity.T @ (v * self._velocity)
+            + u * self._input
+            + self._horizon.change.T @ changes
+        )
+
+    def _changes(self, u: Matrix, previous: Vector) -> Matrix:
+        """Return u_k - u_{k-1}, with u_{-1} the input in force before, shape (N, n)."""
+        changes = np.empty_like(u)
+        changes[0] = u[0] - previous
+        np.subtract(u[1:], u[:-1], out=changes[1:])
+        return changes
+
+
+def _weights(base: float, arm: float, joints: int) -> Vector:
+    """Return one weight per joint, shape (n,)."""
+    return np.concatenate((np.full(_BASE, base), np.full(joints - _BASE, arm)))

@@ -1,0 +1,132 @@
+"""What all levels of one solve share: dynamics, effort, barriers, limits, H(9)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack.mpc.barriers import LimitBarrier
+from lexstack.mpc.collision_cost import Collisions
+from lexstack.mpc.double_integrator import Horizon
+from lexstack.mpc.effort import Effort
+from lexstack.mpc.hard_limits import HeldLimits
+from lexstack.mpc.stage_kinematics import StageKinematics, StageModel
+from lexstack.mpc.tracking_objectives import Task
+from lexstack.types import Matrix, Vector
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Iterate:
+    """Inputs and what follows from them.
+
+    Attributes:
+        u: shape (N, n).
+        q: states 0 to N, shape (N + 1, n).
+        v: likewise.
+        at: kinematics at the states 1 to N.
+        upkeep: effort and barriers: the part of the cost that all levels share.
+    """
+
+    u: Matrix
+    q: Matrix
+    v: Matrix
+    at: StageKinematics
+    upkeep: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Quadratic:
+    """The cost of a level near an iterate: gradient (N n,) and Gauss-Newton Hessian (N n, N n)."""
+
+    gradient: Vector
+    hessian: Matrix
+
+
+class Program:
+    """One H(9), without the task: from a state, with the input before it.
+
+    Attributes:
+        horizon: the dynamics.
+        hard: limits as constraints, or None.
+    """
+
+    def __init__(
+        self,
+        horizon: Horizon,
+        model: StageModel,
+        effort: Effort,
+        barrier: LimitBarrier,
+        *,
+        collisions: Collisions,
+        hard: HeldLimits | None,
+        start: tuple[Vector, Vector, Vector],
+    ) -> None:
+        """Take the parts, and q, v and u_{-1}, shapes (n,)."""
+        self.horizon = horizon
+        self.hard = hard
+        self.collisions = collisions
+        self._model = model
+        self._effort = effort
+        self._barrier = barrier
+        self._q, self._v, self._previous = start
+
+    def iterate(self, u: Matrix) -> Iterate:
+        """Roll out inputs of shape (N, n)."""
+        q, v = self.horizon.roll_out(self._q, self._v, u)
+        at = self._model.at(q[1:])
+        upkeep = self._effort.value(v[1:], u, self._previous)
+        upkeep += self._barrier.value(q[1:], v[1:], u)
+        if self.collisions.active:
+            upkeep += self.collisions.value(at)
+        return Iterate(u, q, v, at, upkeep)
+
+    def kinematics(self, u: Matrix) -> StageKinematics:
+        """Return where inputs of shape (N, n) lead, at the states 1 to N."""
+        return self._model.at(self.horizon.roll_out(self._q, self._v, u)[0][1:])
+
+    def cost(self, iterate: Iterate, task: Task) -> float:
+        """Return J_l + J_eff + barriers, H(9a)."""
+        return iterate.upkeep + task.cost_at(iterate.at)
+
+    def quadratic(self, iterate: Iterate, task: Task) -> Quadratic:
+        """Return the cost of a level near an iterate; only the joints that the task may move."""
+        q, v, u, at = iterate.q[1:], iterate.v[1:], iterate.u, iterate.at
+        stages, n = u.shape
+        slope, curvature = self._barrier.slopes(q, v, u)
+        jacobian = task.jacobian(at)
+        weighted = task.weights[:, :, None] * jacobian
+        along_q = (task.error(at)[:, None] @ weighted)[:, 0]
+        along_q += slope[0]
+        curved = jacobian.transpose(0, 2, 1) @ weighted
+        if self.collisions.active:
+            push, stiffness = self.collisions.slopes(at)
+            along_q += push
+            curved += stiffness
+        curved.reshape(stages, n * n)[:, :: n + 1] += curvature[0]
+        horizon = self.horizon
+        gradient = horizon.to_position.T @ along_q
+        gradient += horizon.to_velocity.T @ (slope[1])
+        gradient += slope[2]
+        gradient += self._effort.gradient(v, u, self._previous)
+        if task.moving is not None:
+            gradient *= task.moving
+            curved *= task.moving[:, None] * task.moving
+        hessian = self._hessian(curved, curvature[1], curvature[2])
+        return Quadratic(gradient.reshape(-1), hessian)
+
+    def _hessian(self, curved: Array, velocity: Matrix, inputs: Matrix) -> Matrix:
+        """Return the condensed Hessian of curvatures in q (N, n, n), v and u (N, n)."""
+        stages, n = inputs.shape
+        horizon = self.horizon
+        full = horizon.position_products @ curved.reshape(stages, n * n)
+        diagonal = full.reshape(stages, stages, n * n)[:, :, :: n + 1]
+        diagonal += (horizon.velocity_products @ velocity).reshape(stages, stages, n)
+        diagonal += self._effort.hessian
+        same = np.arange(stages)
+        diagonal[same, same] += inputs
+        hessian = full.reshape(stages, stages, n, n).transpose(0, 2, 1, 3)
+        return hessian.reshape(stages * n, stages * n)

@@ -1,0 +1,224 @@
+"""One level of Algorithm 2: SQP on H(9), with the line search of H(13)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lexstack.config.htmpc import HtmpcConfig
+from lexstack.mpc.condensed_qp import CondensedQp
+from lexstack.mpc.level_problem import Iterate, Program, Quadratic
+from lexstack.mpc.lexicographic_constraints import Guard
+from lexstack.mpc.limited_qp import NOTHING, Holding, LimitedQp
+from lexstack.mpc.stage_kinematics import StageKinematics
+from lexstack.mpc.status import LevelStatus, Outcome
+from lexstack.mpc.tracking_objectives import Task
+from lexstack.types import Matrix, Vector
+
+_CONVERGED = 1e-10  # of the cost: a step that promises less is no step
+_BEND = 0.05
+_PROBE = 0.25  # of a step: where its bend is measured
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """What one iteration came to: the iterate after it, and how."""
+
+    iterate: Iterate
+    outcome: Outcome
+    alpha: float
+    trials: int
+    blocked_by: str
+    qp: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rows:
+    """Linear constraints on the step: lower <= matrix d <= upper, shapes (r, N n), (r,), (r,)."""
+
+    matrix: Matrix
+    lower: Vector
+    upper: Vector
+
+
+class Level:
+    """One task below its guards.
+
+    Attributes:
+        holding: what held in the last QP, or at first what probably will.
+    """
+
+    def __init__(
+        self,
+        config: HtmpcConfig,
+        program: Program,
+        task: Task,
+        guards: tuple[Guard, ...],
+        holding: Holding = NOTHING,
+    ) -> None:
+        """Take the level's task, and the constraints of the levels above, highest first."""
+        self._config = config
+        self._program = program
+        self._task = task
+        self._guards = guards
+        self.holding = holding
+
+    def better(self, start: Iterate, other: Iterate) -> Iterate:
+        """Return the other iterate where it costs less and no guard is violated, else the first."""
+        cost = self._program.cost(start, self._task)
+        return start if self._refusal(other, cost) else other
+
+    def solve(self, start: Iterate) -> tuple[Iterate, LevelStatus]:
+        """Return the last iterate, and how it was reached."""
+        steps: list[_Step] = []
+        iterate = start
+        first = self._program.cost(start, self._task)
+        for _ in range(self._config.iterations):
+            step = self._step(iterate)
+            steps.append(step)
+            before, iterate = iterate, step.iterate
+            if step.outcome is not Outcome.STEPPED or self._enough(before, iterate):
+                break
+        last = self._program.cost(iterate, self._task)
+        return iterate, self._status(steps, first - last, iterate)
+
+    def _enough(self, before: Iterate, after: Iterate) -> bool:
+        """Return whether another iteration is not worth its time: the task hardly gained by this.
+
+        The task's own part counts: level 1 could always go on to save effort, which the levels
+        below spend again.
+        """
+        least = self._config.enough * abs(self._program.cost(before, self._task))
+        gained = self._cost(before) - self._cost(after)
+        return self._config.enough > 0.0 and gained < least
+
+    def _cost(self, iterate: Iterate) -> float:
+        """Return J of H(8) alone."""
+        return self._task.cost_at(iterate.at)
+
+    def _status(self, steps: list[_Step], decrease: float, iterate: Iterate) -> LevelStatus:
+        """Return the level's status: its last iteration decides, but a step stays a step."""
+        outcome = steps[-1].outcome
+        if outcome is Outcome.BLOCKED and len(steps) > 1:
+            outcome = Outcome.STEPPED
+        return LevelStatus(
+            level=len(self._guards),
+            name=self._task.objective.name,
+            outcome=outcome,
+            iterations=len(steps),
+            steps=tuple(step.alpha for step in steps),
+            trials=sum(step.trials for step in steps),
+            blocked_by=next((s.blocked_by for s in reversed(steps) if s.blocked_by), ""),
+            qp=steps[-1].qp,
+            cost=self._cost(iterate),
+            decrease=decrease,
+        )
+
+    def _step(self, iterate: Iterate) -> _Step:
+        """Do one iteration of SQP."""
+        cost = self._program.cost(iterate, self._task)
+        quadratic = self._program.quadratic(iterate, self._task)
+        if not (np.isfinite(cost) and np.isfinite(quadratic.gradient).all()):
+            return _Step(iterate, Outcome.FAILED, 0.0, 0, "", "not tried: a cost is not finite")
+        direction, bend, word = self._direction(iterate, quadratic)
+        if word != "solved":
+            return _Step(iterate, Outcome.FAILED, 0.0, 0, "", word)
+        slope = float(quadratic.gradient @ direction)
+        if -slope <= _CONVERGED * max(1.0, abs(cost)):
+            return _Step(iterate, Outcome.CONVERGED, 0.0, 0, "", word)
+        shape = iterate.u.shape
+        return self._search(iterate, direction.reshape(shape), bend.reshape(shape), cost, slope)
+
+    def _search(
+        self, iterate: Iterate, direction: Matrix, bend: Matrix, cost: float, slope: float
+    ) -> _Step:
+        """Backtrack until the cost falls enough and no guard is violated, H(13)."""
+        rules = self._config.line_search
+        alpha, refused = 1.0, ""
+        for trial in range(1, rules.trials + 1):
+            tried = self._program.iterate(iterate.u + alpha * direction + alpha**2 * bend)
+            verdict = self._refusal(tried, cost + rules.descent * alpha * slope)
+            if not verdict:
+                return _Step(tried, Outcome.STEPPED, alpha, trial, refused, "solved")
+            refused = verdict
+            alpha *= rules.beta
+        return _Step(iterate, Outcome.BLOCKED, 0.0, rules.trials, refused, "solved")
+
+    def _refusal(self, tried: Iterate, limit: float) -> str:
+        """Return why a trial is not taken; empty if it is."""
+        for guard in self._guards:
+            excess, where = guard.excess(guard.task.error(tried.at))
+            if not excess <= 0.0:
+                return where
+        cost = self._program.cost(tried, self._task)
+        if not np.isfinite(cost):
+            return "not finite"
+        return "" if cost <= limit else "descent"
+
+    def _direction(self, iterate: Iterate, quadratic: Quadratic) -> tuple[Vector, Vector, str]:
+        """Return the step of the QP, how it bends, shapes (N n,), and the solver's word."""
+        qp = CondensedQp(quadratic.hessian)
+        none = np.zeros(iterate.u.size)
+        if qp.word != "solved":
+            return none, none, qp.word
+        rows = self._rows(iterate)
+        moving = self._moving(len(iterate.u))
+        limited = LimitedQp(qp, quadratic.gradient, rows.matrix, moving, self.holding)
+        if self._program.hard is not None:
+            limited.within(self._program.hard, iterate.u)
+        direction, word = limited.solve(rows.lower, rows.upper)
+        self.holding = limited.holding
+        if word != "solved" or not (self._config.correction and self._guards):
+            return direction, none, word
+        bent = self._bent(iterate, rows, direction)
+        scale = min(1.0, float(np.sqrt(_BEND / max(np.abs(bent).max(), _BEND))))
+        shorter = scale * direction
+        bent *= scale * scale
+        corrected, again = limited.nearest(shorter, rows.lower - bent, rows.upper - bent)
+        if again != "solved":
+            return direction, none, word
+        return shorter, corrected - shorter, word
+
+    def _bent(self, iterate: Iterate, rows: _Rows, direction: Vector) -> Vector:
+        """Return by how much a whole step would bend off the tangent of the guards, shape (r,)."""
+        step = _PROBE * direction
+        tried = self._program.kinematics(iterate.u + step.reshape(iterate.u.shape))
+        off = self._values(tried) - self._values(iterate.at) - rows.matrix @ step
+        return np.asarray(off / _PROBE**2)
+
+    def _rows(self, iterate: Iterate) -> _Rows:
+        """Return the guards made linear; a step of zero is always allowed."""
+        if not self._guards:
+            none = np.zeros(0)
+            return _Rows(np.zeros((0, iterate.u.size)), none, none)
+        matrices, lower, upper = [], [], []
+        moving = self._moving(len(iterate.u))
+        for guard in self._guards:
+            error = guard.task.error(iterate.at)
+            value = guard.value(error)
+            matrix = guard.rows(iterate.at, error)
+            matrices.append(matrix if moving is None else matrix * moving)
+            lower.append(guard.lower - value)
+            upper.append(guard.upper - value)
+        return _opened(
+            matrices[0] if len(matrices) == 1 else np.concatenate(matrices),
+            np.concatenate(lower),
+            np.concatenate(upper),
+        )
+
+    def _values(self, at: StageKinematics) -> Vector:
+        """Return the values of all guards, one after the other."""
+        return np.concatenate([guard.value(guard.task.error(at)) for guard in self._guards])
+
+    def _moving(self, stages: int) -> Vector | None:
+        """Return 1 where the level may change an input, else 0, shape (N n,); None: all."""
+        return None if self._task.moving is None else np.tile(self._task.moving, stages)
+
+
+def _opened(matrix: Matrix, lower: Vector, upper: Vector) -> _Rows:
+    """Return rows that a step of zero satisfies: bounds are opened as far as they exclude it.
+
+    An iterate may violate a guard by up to delta; to demand its way back would leave no descent.
+    """
+    return _Rows(matrix, np.minimum(lower, 0.0), np.maximum(upper, 0.0))

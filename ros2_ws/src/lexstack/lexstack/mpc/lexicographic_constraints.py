@@ -1,0 +1,97 @@
+"""What a level must not spoil: H(11) as printed, H(11) per stage, H(12), and the tolerance H(13).
+
+Each is a vector h of values at an iterate with bounds lower <= h <= upper:
+
+    axis   h = e_kp, |h| <= |e*_kp|     H(12)
+    stage  h = J_k   <= J*_k            H(11), state by state
+    sum    h = J     <= J*              H(11)
+
+The tolerance delta widens them in the line search and nowhere else.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack.config.htmpc import Constraint
+from lexstack.mpc.double_integrator import Horizon
+from lexstack.mpc.stage_kinematics import StageKinematics
+from lexstack.mpc.tracking_objectives import Task
+from lexstack.types import Matrix, Vector
+
+Array = NDArray[np.float64]
+_ROUNDING = 1e-12
+
+
+class Guard:
+    """The lexicographic constraints of one solved level.
+
+    Attributes:
+        level: its place.
+        task: what it minimised.
+        lower: of h, shape (r,).
+        upper: of h, shape (r,).
+        tolerance: delta in the unit of h, shape (r,).
+    """
+
+    def __init__(
+        self, level: int, task: Task, best: Matrix, kind: Constraint, horizon: Horizon
+    ) -> None:
+        """Take the errors e* at the optimum of the level, shape (N, s)."""
+        self.level = level
+        self.task = task
+        self._kind = kind
+        self._horizon = horizon
+        value = self.value(best)
+        self.upper: Vector = np.abs(value)
+        self.lower: Vector = -self.upper if kind == "axis" else np.full(value.shape, -np.inf)
+        self.tolerance = self._tolerance()
+
+    def value(self, error: Matrix) -> Vector:
+        """Return h for errors of shape (N, s), shape (r,)."""
+        if self._kind == "axis":
+            return error.reshape(-1)
+        if self._kind == "stage":
+            return self.task.stage_costs(error)
+        return np.array([self.task.cost(error)])
+
+    def rows(self, at: StageKinematics, error: Matrix) -> Matrix:
+        """Return dh/du, shape (r, N n)."""
+        jacobian = self.task.jacobian(at)
+        if self._kind == "axis":
+            return self._condense(jacobian)
+        weighted = self.task.weights * error
+        slopes = (weighted[:, None] @ jacobian)[:, 0]
+        if self._kind == "stage":
+            return self._condense(slopes[:, None])
+        return (self._horizon.to_position.T @ slopes).reshape(1, -1)
+
+    def excess(self, error: Matrix) -> tuple[float, str]:
+        """Return by how much H(13) is violated at most (<= 0: not), and where in words."""
+        value = self.value(error)
+        beyond = np.maximum(value - self.upper, self.lower - value) - self.tolerance
+        worst = int(np.argmax(beyond))
+        return float(beyond[worst]) - _ROUNDING, self._name(worst)
+
+    def _condense(self, slopes: Array) -> Matrix:
+        """Return rows in u of rows in q_k: (N, r, n) to (N r, N n)."""
+        stages, count, n = slopes.shape
+        to_position = self._horizon.to_position
+        rows = to_position[:, None, :, None] * slopes[:, :, None, :]
+        return rows.reshape(stages * count, stages * n)
+
+    def _tolerance(self) -> Vector:
+        """Return delta for each entry of h."""
+        if self._kind == "axis":
+            return np.broadcast_to(self.task.tolerance, self.task.weights.shape).reshape(-1)
+        costs = self.task.stage_tolerance
+        return costs if self._kind == "stage" else np.array([costs.sum()])
+
+    def _name(self, entry: int) -> str:
+        """Return an entry of h in words."""
+        where = f"level {self.level} {self.task.objective.name}"
+        if self._kind == "axis":
+            state, row = divmod(entry, self.task.tolerance.size)
+            return f"{where}, state {state + 1}, row {row}"
+        return f"{where}, state {entry + 1}" if self._kind == "stage" else f"{where}, sum"

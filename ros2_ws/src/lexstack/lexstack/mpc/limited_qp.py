@@ -1,0 +1,159 @@
+"""The QP of a level within hard limits: only those limits enter that a solution would break.
+
+All rows together would be some hundreds, of which a few tens hold. So the QP is solved with those
+that held in the solve before, then those that its solution breaks are added, until none is broken:
+the answer is that of the QP with all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack.mpc.condensed_qp import COARSE, FINE, CondensedQp
+from lexstack.mpc.hard_limits import HeldLimits
+from lexstack.types import Matrix, Vector
+
+Places = NDArray[np.intp]
+"""Rows and joints of hard limits, shape (2, r)."""
+
+NOWHERE: Places = np.zeros((2, 0), dtype=np.intp)
+_ROUNDS = 50
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Holding:
+    """What held at a solution: a guess for the next one.
+
+    Attributes:
+        guards: -1, 0 or 1 per row of the guards: the side that holds, shape (g,).
+        places: of the hard limits that hold.
+        sides: -1 or 1 for each of them, shape (r,).
+    """
+
+    guards: Vector
+    places: Places
+    sides: Vector
+
+
+NOTHING = Holding(np.zeros(0), NOWHERE, np.zeros(0))
+
+
+class LimitedQp:
+    """One H and gradient, the guards' rows, and the hard limits found so far.
+
+    Attributes:
+        places: of the hard limits that it has taken in.
+    """
+
+    def __init__(
+        self,
+        qp: CondensedQp,
+        gradient: Vector,
+        guards: Matrix,
+        moving: Vector | None = None,
+        first: Holding = NOTHING,
+    ) -> None:
+        """Prepare the QP.
+
+        Args:
+            qp: with H factored.
+            gradient: shape (N n,).
+            guards: their rows, shape (g, N n).
+            moving: 1 for inputs that may change, else 0, shape (N n,); None: all may.
+            first: what probably holds.
+        """
+        self._qp = qp
+        self._center = qp.center(gradient)
+        self._white, self._factors = qp.whiten(guards)
+        self._guards = len(guards)
+        self._moving = moving
+        self._hard: HeldLimits | None = None
+        self._room = (np.zeros(0), np.zeros(0))
+        same = first.guards.size == len(guards)
+        self._multipliers: Vector = first.guards if same else np.zeros(len(guards))
+        self._first = first
+        self.places = NOWHERE
+
+    def within(self, hard: HeldLimits, u: Matrix) -> None:
+        """Keep the inputs u + d, both (N, n), within hard limits."""
+        self._hard, self._u = hard, u
+        values = hard.values(u)
+        # A step of zero stays allowed, whatever rounding did to u.
+        self._low = np.minimum(hard.lower - values, 0.0)
+        self._high = np.maximum(hard.upper - values, 0.0)
+        self._known = np.zeros(values.shape, dtype=bool)
+        self._add(self._first.places)
+        self._multipliers = np.concatenate((self._multipliers, self._first.sides))
+
+    def nearest(self, point: Vector, lower: Vector, upper: Vector) -> tuple[Vector, str]:
+        """Return the allowed d nearest to a point (N n,) in H's metric, and the solver's word."""
+        self._center = self._qp.center_at(point)
+        return self.solve(lower, upper)
+
+    def solve(self, lower: Vector, upper: Vector) -> tuple[Vector, str]:
+        """Return d, shape (N n,), and the solver's word; the guards' bounds have shape (g,)."""
+        for _ in range(_ROUNDS):
+            direction, word = self._once(lower, upper)
+            if self._hard is None or word != "solved":
+                return direction, word
+            broken = self._hard.violated(self._u + direction.reshape(self._u.shape))
+            fresh = broken[:, ~self._known[broken[0], broken[1]]]
+            if not fresh.size:
+                return direction, word
+            self._add(fresh)
+        return direction, "hard limits: too many rounds"
+
+    def _once(self, lower: Vector, upper: Vector) -> tuple[Vector, str]:
+        """Solve with the rows so far.
+
+        A guess can lead DAQP astray, and rows that depend on each other but for rounding can look
+        like a contradiction: so again without a guess, and then with a wider tolerance.
+        """
+        if not len(self._white):
+            direction, _, word = self._qp.solve(self._center, self._white, (lower, upper))
+            return direction, word
+        bounds = (
+            self._scaled(np.concatenate((lower, self._room[0])), -np.inf),
+            self._scaled(np.concatenate((upper, self._room[1])), np.inf),
+        )
+        for guess, tolerance in ((self._multipliers, FINE), (None, FINE), (None, COARSE)):
+            direction, multipliers, word = self._qp.solve(
+                self._center, self._white, bounds, guess, tolerance
+            )
+            if word == "solved":
+                self._multipliers = multipliers
+                break
+        return direction, word
+
+    @property
+    def holding(self) -> Holding:
+        """What held at the last solution."""
+        signs = np.sign(self._multipliers)
+        limits = signs[self._guards :]
+        held = np.flatnonzero(limits)
+        return Holding(signs[: self._guards], self.places[:, held], limits[held])
+
+    def _scaled(self, bounds: Vector, nothing: float) -> Vector:
+        """Return bounds for rows of length 1; rows that no step can change are left out."""
+        fixed = self._factors == 0.0
+        scaled = bounds * np.where(fixed, 1.0, self._factors)
+        return np.where(fixed, nothing, scaled)
+
+    def _add(self, places: Places) -> None:
+        """Take hard limits in."""
+        if self._hard is None or not places.size:
+            return
+        row, joint = places
+        self._known[row, joint] = True
+        rows = self._hard.rows(places)
+        white, factors = self._qp.whiten(rows if self._moving is None else rows * self._moving)
+        self._white = np.concatenate((self._white, white))
+        self._factors = np.concatenate((self._factors, factors))
+        self._room = (
+            np.concatenate((self._room[0], self._low[row, joint])),
+            np.concatenate((self._room[1], self._high[row, joint])),
+        )
+        self.places = np.concatenate((self.places, places), axis=1)

@@ -1,0 +1,78 @@
+"""Kinematics at all stages of the horizon at once: one call of compiled code per iterate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack.mpc.symbolic import stage_function
+from lexstack.robots import RobotModel
+from lexstack.types import Matrix, Vector
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StageKinematics:
+    """Where tool and spheres are at each stage, world frame.
+
+    Attributes:
+        q: the configurations, shape (N, n).
+        position: of the tool, shape (N, 3), m.
+        rotation: of the tool, shape (N, 3, 3).
+        jacobian: of the tool, shape (N, 6, n), linear then angular, LOCAL_WORLD_ALIGNED.
+        centers: of the spheres, shape (N, s, 3), m.
+        slopes: their Jacobians, shape (N, 3 s, n).
+        found: what tasks and distances have found here, each by itself, so that none looks twice.
+    """
+
+    q: Matrix
+    position: Matrix
+    rotation: Array
+    jacobian: Array
+    centers: Array
+    slopes: Array
+    found: dict[object, Any] = field(default_factory=dict)
+
+
+class StageModel:
+    """The generated kinematics of one robot over a horizon, with its buffers.
+
+    Attributes:
+        stages: how many configurations a call takes.
+        n: joints of the robot.
+        spheres: places in the robot's list of those that are kept apart from things.
+        radii: of these, shape (s,), m.
+        lifted: whether the arm moves them, so that they can keep off the floor, shape (s,).
+    """
+
+    def __init__(self, robot: RobotModel, stages: int, spheres: tuple[int, ...] = ()) -> None:
+        """Generate the code; raises ModelError where the robot does not allow it."""
+        self.stages = stages
+        self.n = robot.n
+        self.spheres = spheres
+        function = stage_function(robot, spheres).map(stages)
+        chosen = [robot.config.spheres[place] for place in spheres]
+        self.radii: Vector = np.array([config.radius for config in chosen])
+        self.lifted = np.array([config.link != "base" for config in chosen], dtype=bool)
+        count = len(spheres)
+        self._q = np.zeros((stages, self.n))
+        shapes = ((3,), (3, 3), (6, self.n), (count, 3), (3 * count, self.n))
+        self._results = tuple(np.zeros((stages, *shape)) for shape in shapes)
+        # The buffer object must live as long as the call that writes through it.
+        buffer: tuple[Any, Any] = function.buffer()
+        self._buffer, self._call = buffer
+        self._buffer.set_arg(0, self._q.data)
+        for i, result in enumerate(self._results):
+            if result.size:
+                self._buffer.set_res(i, result.data)
+
+    def at(self, q: Matrix) -> StageKinematics:
+        """Return the kinematics at configurations of shape (N, n); they are copied."""
+        self._q[:] = q
+        self._call()
+        position, rotation, jacobian, centers, slopes = (r.copy() for r in self._results)
+        return StageKinematics(self._q.copy(), position, rotation, jacobian, centers, slopes)

@@ -1,0 +1,161 @@
+"""Forward kinematics and Jacobians of one robot in CasADi, made from its pinocchio model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+
+from lexstack.errors import ModelError
+from lexstack.robots import RobotModel
+from lexstack.types import Matrix, Vector
+
+
+@dataclass(frozen=True, slots=True)
+class _Axis:
+    """A joint of one degree of freedom: its column, and the axis in its own frame."""
+
+    column: int
+    direction: Vector
+    turns: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """A point on a joint's body: the joint, and where it is in the joint's frame [m]."""
+
+    joint: int
+    offset: Vector
+
+
+def stage_function(robot: RobotModel, spheres: tuple[int, ...] = ()) -> ca.Function:
+    """Return the kinematics at one configuration as a CasADi function of q, shape (n,).
+
+    Its outputs: ``position`` (3,) and ``rotation`` (9,), by rows, of the tool; ``jacobian``
+    (n, 6), the transposed tool Jacobian, linear then angular, LOCAL_WORLD_ALIGNED; ``centers``
+    (3 s,) of the chosen spheres; ``slopes`` (n, 3 s), their transposed Jacobians.
+
+    Args:
+        robot: the model, all joints of one degree of freedom.
+        spheres: places in the robot's configured list.
+
+    Raises:
+        ModelError: a joint has no constant axis, or a sphere's link is not there.
+    """
+    model = robot.pinocchio
+    axes = [_axis(robot, joint) for joint in range(1, model.njoints)]
+    q = ca.SX.sym("q", model.nq)
+    rotations, origins = _placements(model, axes, q)
+    frame = model.frames[model.getFrameId("tool")]
+    tool = _Point(frame.parentJoint, frame.placement.translation)
+    columns = _columns(model, axes, rotations, origins, tool)
+    angular = _angular(model, axes, rotations, tool.joint)
+    points = [_sphere(robot, place) for place in spheres]
+    centers = [_place(rotations, origins, point) for point in points]
+    slopes = [_columns(model, axes, rotations, origins, point).T for point in points]
+    turned = rotations[tool.joint] @ frame.placement.rotation
+    outputs = [
+        _place(rotations, origins, tool),
+        ca.reshape(turned.T, 9, 1),
+        ca.horzcat(columns.T, angular.T),
+        ca.vertcat(*centers) if centers else ca.SX(0, 1),
+        ca.horzcat(*slopes) if slopes else ca.SX(model.nq, 0),
+    ]
+    dense = ca.cse([ca.densify(output) for output in outputs])
+    names = ["position", "rotation", "jacobian", "centers", "slopes"]
+    return ca.Function("stage", [q], dense, ["q"], names)
+
+
+def _axis(robot: RobotModel, joint: int) -> _Axis:
+    """Return a joint's axis; raises ModelError where it has none that is constant."""
+    model = robot.pinocchio
+    kind = model.joints[joint]
+    name = model.names[joint]
+    if kind.nv != 1 or kind.nq != 1:
+        raise ModelError(f"robot {robot.name}: {name}: only joints with one coordinate, not turns")
+    data = model.createData()
+    jacobian = pin.computeJointJacobian(model, data, pin.neutral(model), joint)
+    motion = jacobian[:, kind.idx_v]
+    linear, angular = motion[:3], motion[3:]
+    if np.any(linear) == np.any(angular):
+        raise ModelError(f"robot {robot.name}: {name}: neither slides nor turns about one axis")
+    return _Axis(kind.idx_v, angular if np.any(angular) else linear, bool(np.any(angular)))
+
+
+def _placements(model: pin.Model, axes: list[_Axis], q: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
+    """Return rotation and origin of each joint's frame in the world; index 0 is the world."""
+    rotations, origins = [ca.SX.eye(3)], [ca.SX.zeros(3)]
+    for joint, axis in enumerate(axes, start=1):
+        parent = model.parents[joint]
+        fixed = model.jointPlacements[joint]
+        rotation = ca.mtimes(rotations[parent], _rounded(fixed.rotation))
+        origin = origins[parent] + ca.mtimes(rotations[parent], ca.DM(fixed.translation))
+        if axis.turns:
+            rotation = ca.mtimes(rotation, _turn(axis.direction, q[axis.column]))
+        else:
+            origin += ca.mtimes(rotation, ca.DM(axis.direction)) * q[axis.column]
+        rotations.append(rotation)
+        origins.append(origin)
+    return rotations, origins
+
+
+def _rounded(rotation: Matrix) -> ca.DM:
+    """Return a fixed rotation as sparse numbers; entries that are rounding alone become zeros."""
+    exact = np.where(np.abs(rotation) < 1e-15, 0.0, rotation)
+    return ca.sparsify(ca.DM(exact))
+
+
+def _turn(axis: Vector, angle: ca.SX) -> ca.SX:
+    """Return the rotation about a unit axis, Rodrigues' formula."""
+    a = ca.sparsify(ca.DM(axis))
+    cross = ca.sparsify(ca.DM(pin.skew(axis)))
+    outer = ca.sparsify(ca.mtimes(a, a.T))
+    c = ca.cos(angle)
+    return c * (ca.DM.eye(3) - outer) + outer + ca.sin(angle) * cross
+
+
+def _place(rotations: list[ca.SX], origins: list[ca.SX], point: _Point) -> ca.SX:
+    """Return where a point is in the world, shape (3,)."""
+    return origins[point.joint] + ca.mtimes(
+        rotations[point.joint], ca.sparsify(ca.DM(point.offset))
+    )
+
+
+def _columns(
+    model: pin.Model,
+    axes: list[_Axis],
+    rotations: list[ca.SX],
+    origins: list[ca.SX],
+    point: _Point,
+) -> ca.SX:
+    """Return the velocity of a point per joint velocity, shape (3, n), world frame."""
+    where = _place(rotations, origins, point)
+    result = ca.SX(3, model.nq)
+    for joint in list(model.supports[point.joint])[1:]:
+        axis = axes[joint - 1]
+        direction = ca.mtimes(rotations[joint], ca.sparsify(ca.DM(axis.direction)))
+        arm = where - origins[joint]
+        result[:, axis.column] = ca.cross(direction, arm) if axis.turns else direction
+    return result
+
+
+def _angular(model: pin.Model, axes: list[_Axis], rotations: list[ca.SX], body: int) -> ca.SX:
+    """Return the angular velocity of a body per joint velocity, shape (3, n), world frame."""
+    result = ca.SX(3, model.nq)
+    for joint in list(model.supports[body])[1:]:
+        axis = axes[joint - 1]
+        if axis.turns:
+            result[:, axis.column] = ca.mtimes(rotations[joint], ca.DM(axis.direction))
+    return result
+
+
+def _sphere(robot: RobotModel, place: int) -> _Point:
+    """Return a configured sphere's centre; raises ModelError for a place that is not there."""
+    configs = robot.config.spheres
+    if not 0 <= place < len(configs):
+        raise ModelError(f"robot {robot.name}: spheres: no entry {place} of {len(configs)}")
+    model, config = robot.pinocchio, configs[place]
+    frame = model.frames[model.getFrameId(config.link, pin.FrameType.BODY)]
+    return _Point(frame.parentJoint, frame.placement.act(np.array(config.xyz)))

@@ -1,0 +1,199 @@
+"""Which references hold from which tick on: robot A decides it, for everybody."""
+
+from __future__ import annotations
+
+from bisect import insort
+from collections import defaultdict
+
+import numpy as np
+
+from lexstack.config.scenario import ScenarioConfig
+from lexstack.errors import InputError
+from lexstack.references.set_point import BASES, POSES, SetPoint
+from lexstack.references.timeline import ROUNDING, ReferenceTimeline, Setting
+from lexstack.references.values import References, Target, measured, pose_from_config
+from lexstack.robots import Pose, Team
+from lexstack.types import Vector
+
+_MOST = 10_000  # targets to come of one robot and kind: a minute at 160 Hz
+
+
+class ReferenceSchedule:
+    """The targets that are still to come, and the decisions made so far.
+
+    A decision is made once, for one tick: ``decide`` says which targets take effect there. Later
+    targets take effect at a later tick, whatever their stamps are.
+
+    Attributes:
+        timeline: the decisions.
+        lead_in: time in which a reference moves to a target that is still to be decided on [s].
+    """
+
+    def __init__(
+        self, initial: References, *, lead_in: float = 0.0, horizon: float = float("inf")
+    ) -> None:
+        """Start with ``initial`` as the first references.
+
+        Args:
+            initial: of all robots.
+            lead_in: time in which the reference moves to a new target [s]; 0: it steps.
+            horizon: how far ahead of the present a target's stamp may be [s].
+        """
+        self.timeline = ReferenceTimeline()
+        self._initial = initial
+        self._given: tuple[frozenset[int], frozenset[int]] | None = None
+        self.lead_in = lead_in
+        self._horizon = horizon
+        self._coming: dict[tuple[int, bool], list[Target]] = defaultdict(list)
+        self._decided = -float("inf")  # s, the last tick that was decided
+        self._revision = 0
+        self._news: list[Setting] = []
+
+    @classmethod
+    def from_scenario(cls, scenario: ScenarioConfig, team: Team, home: Vector) -> ReferenceSchedule:
+        """Return a scenario's schedule.
+
+        What the scenario leaves out is the pose at ``home``, shape (n,), until ``begin`` says
+        where the robots are.
+        """
+        at_home = measured(team, home)
+        initial = References(
+            tuple(
+                pose_from_config(scenario.ee_target[name]) if name in scenario.ee_target else tool
+                for name, tool in zip(team.names, at_home.ee, strict=True)
+            ),
+            tuple(
+                np.array(scenario.base_target.get(name, tuple(place)), dtype=np.float64)
+                for name, place in zip(team.names, at_home.base, strict=True)
+            ),
+        )
+        schedule = cls(initial, lead_in=scenario.lead_in, horizon=scenario.timeouts.target_horizon)
+        schedule._given = (
+            frozenset(team.index(name) for name in scenario.ee_target),
+            frozenset(team.index(name) for name in scenario.base_target),
+        )
+        return schedule
+
+    @property
+    def begun(self) -> bool:
+        """Whether the first references are decided."""
+        return self.timeline.newest is not None
+
+    def begin(self, present: References) -> None:
+        """Take the measured poses for first references, where the scenario gives none.
+
+        Robots that nobody has asked to move then stay where they are. Without effect after the
+        first decision.
+        """
+        if self.begun or self._given is None:
+            return
+        ee, base = self._given
+        first = self._initial
+        self._initial = References(
+            tuple(first.ee[i] if i in ee else pose for i, pose in enumerate(present.ee)),
+            tuple(first.base[i] if i in base else place for i, place in enumerate(present.base)),
+        )
+
+    def resume(self, last: Setting, stamp: float) -> None:
+        """Go on with another controller's last decision, from a time [s] on; see ``begin``."""
+        if not self.begun:
+            self._take(stamp, last.ee, last.base)
+
+    def count_on(self, other: ReferenceSchedule) -> None:
+        """Number the decisions after those of another schedule, which this one replaces."""
+        self._revision = max(self._revision, other._revision)
+        self._decided = -float("inf")
+
+    def add(self, target: Target) -> None:
+        """Take a new target; of two for the same time the later addition wins.
+
+        Raises:
+            InputError: its stamp is too far ahead, or its robot has too many targets to come.
+        """
+        kind = "ee_target" if target.ee is not None else "base_target"
+        ahead = target.at - max(self._decided, 0.0)
+        if ahead > self._horizon:
+            raise InputError(
+                f"{kind}: stamp {target.at:.3f} s is {ahead:.6g} s ahead of the simulated time, "
+                f"more than {self._horizon:g} s; stamp 0 means now"
+            )
+        coming = self._coming[target.robot, target.ee is not None]
+        insort(coming, target, key=lambda entry: entry.at)  # after those for the same time
+        if len(coming) > _MOST:
+            last = coming.pop()
+            raise InputError(
+                f"{kind}: {_MOST} are to come already, the one for {last.at:.3f} s is left out"
+            )
+
+    def decide(self, stamp: float) -> None:
+        """Decide the references of the tick at a time [s]; each tick is decided once."""
+        if stamp <= self._decided + ROUNDING:
+            return
+        self._decided = stamp
+        last = self.timeline.newest
+        ee = last.ee if last else tuple(SetPoint(pose) for pose in self._initial.ee)
+        base = last.base if last else tuple(SetPoint(place) for place in self._initial.base)
+        due = self._due(stamp)
+        for target in due:
+            ee, base = self._applied(ee, base, target, stamp)
+        if (
+            last is None
+            or any(a is not b for a, b in zip(ee, last.ee, strict=True))
+            or any(a is not b for a, b in zip(base, last.base, strict=True))
+        ):
+            self._take(stamp, ee, base)
+
+    def at(self, stamp: float) -> References:
+        """Return the references of the tick at a time [s]; it is decided if it was not yet."""
+        self.decide(stamp)
+        return self.timeline.at(stamp)
+
+    def take_news(self) -> list[Setting]:
+        """Return the decisions since the last call, to be told to others."""
+        news, self._news = self._news, []
+        return news
+
+    def _take(
+        self, stamp: float, ee: tuple[SetPoint[Pose], ...], base: tuple[SetPoint[Vector], ...]
+    ) -> None:
+        """Make a decision."""
+        self._revision += 1
+        setting = Setting(stamp, self._revision, ee, base)
+        self.timeline.hear(setting)
+        self._news.append(setting)
+
+    def _due(self, stamp: float) -> list[Target]:
+        """Return the last target of each robot and kind whose time has come; forget the others."""
+        due = []
+        for coming in self._coming.values():
+            count = 0
+            while count < len(coming) and coming[count].at <= stamp + ROUNDING:
+                count += 1
+            if count:
+                due.append(coming[count - 1])
+                del coming[:count]
+        return due
+
+    def _applied(
+        self,
+        ee: tuple[SetPoint[Pose], ...],
+        base: tuple[SetPoint[Vector], ...],
+        target: Target,
+        stamp: float,
+    ) -> tuple[tuple[SetPoint[Pose], ...], tuple[SetPoint[Vector], ...]]:
+        """Return the set-points with one target put in; one that says nothing new changes none."""
+        i = target.robot
+        if target.ee is not None and not _same_pose(ee[i].goal, target.ee):
+            point = ee[i].led_to(target.ee, stamp, self.lead_in, POSES)
+            ee = (*ee[:i], point, *ee[i + 1 :])
+        if target.base is not None and not np.array_equal(base[i].goal, target.base):
+            place = base[i].led_to(target.base, stamp, self.lead_in, BASES)
+            base = (*base[:i], place, *base[i + 1 :])
+        return ee, base
+
+
+def _same_pose(one: Pose, other: Pose) -> bool:
+    """Return whether two poses are equal in every bit."""
+    return np.array_equal(one.position, other.position) and np.array_equal(
+        one.rotation, other.rotation
+    )

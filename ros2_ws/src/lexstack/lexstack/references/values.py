@@ -1,0 +1,59 @@
+"""References and targets as values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lexstack.config.scenario import PoseConfig
+from lexstack.robots import Pose, Team
+from lexstack.spatial import from_quaternion
+from lexstack.types import Vector
+
+
+@dataclass(frozen=True, slots=True)
+class References:
+    """The references of all robots at one time, in the team's order, in the world frame.
+
+    Attributes:
+        ee: pose of each tool frame.
+        base: x [m], y [m], yaw [rad] of each base, shape (3,) each.
+        revision: number of the decision that they follow from; 0: of none. While a set-point is
+            led in, the references move and the revision stays.
+    """
+
+    ee: tuple[Pose, ...]
+    base: tuple[Vector, ...]
+    revision: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """One new reference of one robot, from a time on.
+
+    Attributes:
+        at: simulated time from which it holds [s].
+        robot: the robot's place in the team.
+        ee: a pose of the tool, or None.
+        base: x, y, yaw of the base, shape (3,), or None.
+    """
+
+    at: float
+    robot: int
+    ee: Pose | None = None
+    base: Vector | None = None
+
+
+def measured(team: Team, q: Vector) -> References:
+    """Return the poses at the stacked configuration q, shape (n,), as references."""
+    bases = tuple(np.array(q[part][:3], dtype=np.float64) for part in team.slices)
+    return References(team.tools(q), bases)
+
+
+def pose_from_config(config: PoseConfig) -> Pose:
+    """Return a configured pose as a value."""
+    return Pose(
+        np.array(config.position, dtype=np.float64),
+        from_quaternion(np.array(config.orientation, dtype=np.float64)),
+    )

@@ -1,0 +1,58 @@
+"""Poses and Jacobians of all robots at one state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from lexstack.robots.collision_geometry import Spheres
+from lexstack.state import RobotState
+from lexstack.types import Matrix, Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A pose in the world frame.
+
+    Attributes:
+        position: shape (3,), m.
+        rotation: shape (3, 3), its columns the axes of the moved frame in the world.
+    """
+
+    position: Vector
+    rotation: Matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Kinematics:
+    """Proof that forward kinematics ran for ``state``: only a Team makes it.
+
+    Attributes:
+        state: the state that it holds for; poses and Jacobians are at the measured q.
+        tools: pose of each robot's tool frame.
+        jacobians: each robot's tool Jacobian, shape (6, n_robot): linear then angular velocity,
+            at the tool's origin, axes parallel to the world (LOCAL_WORLD_ALIGNED).
+        spheres: returns the collision spheres at the measured q; made when first asked for.
+    """
+
+    state: RobotState
+    tools: tuple[Pose, ...]
+    jacobians: tuple[Matrix, ...]
+    spheres: Callable[[], Spheres]
+
+
+class Once:
+    """A function without arguments that is called when first needed, and never again."""
+
+    __slots__ = ("_make", "_value")
+
+    def __init__(self, make: Callable[[], Spheres]) -> None:
+        """Remember what to call."""
+        self._make = make
+        self._value: Spheres | None = None
+
+    def __call__(self) -> Spheres:
+        """Return its value."""
+        if self._value is None:
+            self._value = self._make()
+        return self._value

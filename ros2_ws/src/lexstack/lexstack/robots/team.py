@@ -1,0 +1,139 @@
+"""All robots of a scenario, stacked in the configured order: what chi is about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cached_property, partial
+
+import numpy as np
+
+from lexstack.config.checks import shown
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.errors import ConfigurationError
+from lexstack.limits.viable_bounds import JointLimits
+from lexstack.robots.collision_geometry import Indices, Spheres
+from lexstack.robots.kinematics import Kinematics, Once, Pose
+from lexstack.robots.obstacles import Obstacles
+from lexstack.robots.robot import RobotModel
+from lexstack.state import RobotState
+from lexstack.types import Matrix, Vector
+
+
+class Team:
+    """The robots, which part of chi belongs to whom, and what is in their way.
+
+    Attributes:
+        robots: in the configured order.
+        names: their names.
+        slices: each robot's part of chi.
+        n: length of chi.
+        limits: of all joints, shape (n,) each.
+        dt: control period [s].
+        obstacles: that distances are kept to.
+    """
+
+    def __init__(
+        self, robots: tuple[RobotModel, ...], dt: float, obstacles: Obstacles | None = None
+    ) -> None:
+        """Stack the robots; their names must differ."""
+        self.robots = robots
+        self.dt = dt
+        self.obstacles = Obstacles({}) if obstacles is None else obstacles
+        self.names = tuple(robot.name for robot in robots)
+        if len(set(self.names)) != len(robots):
+            raise ConfigurationError(f"robots: names must differ, got {', '.join(self.names)}")
+        ends = np.cumsum([robot.n for robot in robots])
+        self.slices = tuple(
+            slice(int(end) - robot.n, int(end)) for end, robot in zip(ends, robots, strict=True)
+        )
+        self.n = int(ends[-1])
+        self.limits = JointLimits(
+            *(
+                np.concatenate([getattr(robot.limits, name) for robot in robots])
+                for name in (
+                    "position_lower",
+                    "position_upper",
+                    "velocity",
+                    "acceleration",
+                    "jerk",
+                )
+            )
+        )
+
+    @classmethod
+    def from_scenario(cls, resolved: ResolvedScenario) -> Team:
+        """Return the team of a scenario."""
+        scenario = resolved.scenario
+        robots = (
+            RobotModel(name, resolved.robots[place.model])
+            for name, place in scenario.robots.items()
+        )
+        return cls(tuple(robots), 1.0 / scenario.rate, Obstacles(scenario.obstacles))
+
+    def index(self, name: str) -> int:
+        """Return a robot's place in the order; raises ConfigurationError listing the known."""
+        if name not in self.names:
+            raise ConfigurationError(f"unknown robot {shown(name)}; known: {', '.join(self.names)}")
+        return self.names.index(name)
+
+    def columns(self, robots: Iterable[int]) -> Indices:
+        """Return the joints of some robots in chi, by the robots' places in the order."""
+        return np.concatenate(
+            [np.arange(self.slices[robot].start, self.slices[robot].stop) for robot in robots]
+        )
+
+    def home(self, resolved: ResolvedScenario) -> Vector:
+        """Return the configuration at which the scenario starts, shape (n,)."""
+        return np.concatenate(
+            [robot.home(resolved.scenario.robots[robot.name].base) for robot in self.robots]
+        )
+
+    def tools(self, q: Vector) -> tuple[Pose, ...]:
+        """Return each robot's tool pose at the stacked configuration q, shape (n,)."""
+        return tuple(
+            robot.tool(q[part])[0] for robot, part in zip(self.robots, self.slices, strict=True)
+        )
+
+    def kinematics(self, state: RobotState) -> Kinematics:
+        """Return poses and Jacobians at the measured configuration of ``state``."""
+        results = [
+            robot.tool(state.q[part]) for robot, part in zip(self.robots, self.slices, strict=True)
+        ]
+        return Kinematics(
+            state,
+            tuple(pose for pose, _ in results),
+            tuple(jacobian for _, jacobian in results),
+            Once(partial(self.spheres, state.q)),
+        )
+
+    def spheres(self, q: Vector) -> Spheres:
+        """Return all collision spheres at the stacked configuration q, shape (n,)."""
+        results = [
+            robot.spheres.at(q[part]) for robot, part in zip(self.robots, self.slices, strict=True)
+        ]
+        radii, owners, moved_by = self._fixed
+        return Spheres(
+            np.concatenate([centers for centers, _ in results], axis=1).T.copy(),
+            radii,
+            owners,
+            moved_by,
+            np.concatenate([twists for _, twists in results], axis=1),
+        )
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of all joints in the order of chi: robot, slash, joint."""
+        return tuple(f"{robot.name}/{joint}" for robot in self.robots for joint in robot.joints)
+
+    @cached_property
+    def _fixed(self) -> tuple[Vector, Indices, Matrix]:
+        """Return what does not move: ``Spheres.radii``, ``owners`` and ``moved_by``."""
+        counts = [len(robot.spheres.radii) for robot in self.robots]
+        owners = np.repeat(np.arange(len(self.robots)), counts)
+        moved_by = np.zeros((len(owners), self.n))
+        for i, (robot, part) in enumerate(zip(self.robots, self.slices, strict=True)):
+            moved_by[owners == i, part] = robot.spheres.moved_by
+        radii = np.concatenate([robot.spheres.radii for robot in self.robots])
+        for array in (radii, owners, moved_by):
+            array.setflags(write=False)
+        return radii, owners, moved_by

@@ -1,0 +1,30 @@
+"""The measured and commanded state of all robots, as one value per tick."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lexstack.types import Vector
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """All robots at one tick, stacked in the configured order; arrays are not to be written.
+
+    Per robot: base x [m], y [m], yaw [rad] in the world frame, then the arm joints [rad].
+
+    Attributes:
+        tick: number of the control period, counted by the plant.
+        stamp: simulated time [s].
+        q: measured positions, shape (n,).
+        v: measured velocities, shape (n,), m/s and rad/s.
+        q_star: Euler integral of the commands that the plant has accepted, shape (n,).
+        command: the last chi that the plant has accepted, shape (n,).
+    """
+
+    tick: int
+    stamp: float
+    q: Vector
+    v: Vector
+    q_star: Vector
+    command: Vector

@@ -1,0 +1,67 @@
+"""Arm posture, T(22) to T(25) with the sign, the gain and the mid-range put right."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from lexstack.config.checks import finite, positive, same_length
+from lexstack.config.reader import build
+from lexstack.references import References
+from lexstack.robots import Kinematics, RobotModel, Team
+from lexstack.types import Curve, LinearTask, Vector
+
+
+@dataclass(frozen=True, slots=True)
+class PostureParameters:
+    """Parameters of the task ``posture``."""
+
+    gain: float = 1.0  # lambda [1/s]
+    # rad; None: the robot's own posture; mid_range: (q_max + q_min) / 2, as in T
+    target: Literal["mid_range"] | tuple[float, ...] | None = None
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a value out of range."""
+        positive(where, gain=self.gain)
+        if isinstance(self.target, tuple):
+            finite(where, target=self.target)
+
+
+class Posture:
+    """Gamma chi -> lambda (q_d - q*), with the integrated arm posture q*."""
+
+    def __init__(
+        self, team: Team, robot: int, parameters: PostureParameters, where: str = "posture"
+    ) -> None:
+        """Make the task of the robot at place ``robot``; raises for a target of wrong length."""
+        self.name = f"{team.names[robot]}/posture"
+        self.robots = (robot,)
+        self._target = posture_target(team.robots[robot], parameters, where)
+        start = team.slices[robot].stop - len(self._target)
+        self._part = slice(start, team.slices[robot].stop)
+        self._matrix = np.eye(len(self._target), team.n, start)
+        self._matrix.setflags(write=False)  # solvers may remember it
+        self._gain = parameters.gain
+        self._curve = Curve(parameters.gain, (robot,), (team.slices[robot],))
+
+    @classmethod
+    def from_config(cls, team: Team, robot: int, parameters: dict[str, Any], where: str) -> Posture:
+        """Return the task that a stack file describes; raises ConfigurationError."""
+        return cls(team, robot, build(PostureParameters, parameters, where), where)
+
+    def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
+        """Return one row per arm joint [rad/s]."""
+        error = self._target - kinematics.state.q_star[self._part]
+        return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve)
+
+
+def posture_target(model: RobotModel, parameters: PostureParameters, where: str) -> Vector:
+    """Return q_d, shape (arm,), rad; raises ConfigurationError for a target of wrong length."""
+    if parameters.target is None:
+        return model.posture
+    if parameters.target == "mid_range":
+        return model.mid_range
+    same_length(where, len(model.mid_range), target=parameters.target)
+    return np.array(parameters.target)

@@ -1,0 +1,53 @@
+"""Minimum velocity, the second level of T(36)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from lexstack.config.checks import positive
+from lexstack.config.reader import build
+from lexstack.references import References
+from lexstack.robots import Kinematics, Team
+from lexstack.types import LinearTask
+
+
+@dataclass(frozen=True, slots=True)
+class MinimumVelocityParameters:
+    """Parameters of the task ``minimum_velocity``: what a unit of each velocity costs."""
+
+    base_cost: float = 1.0  # of 1 m/s or 1 rad/s of a base joint
+    arm_cost: float = 1.0  # of 1 rad/s of an arm joint
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a cost that is not positive."""
+        positive(where, base_cost=self.base_cost, arm_cost=self.arm_cost)
+
+
+class MinimumVelocity:
+    """W chi -> 0 with W the diagonal of costs."""
+
+    def __init__(self, team: Team, robot: int, parameters: MinimumVelocityParameters) -> None:
+        """Make the task of the robot at place ``robot`` of the team."""
+        part = team.slices[robot]
+        n = part.stop - part.start
+        self.name = f"{team.names[robot]}/minimum_velocity"
+        self.robots = (robot,)
+        self._matrix = np.eye(n, team.n, part.start)
+        self._matrix[:3] *= parameters.base_cost
+        self._matrix[3:] *= parameters.arm_cost
+        self._matrix.setflags(write=False)  # solvers may remember it
+        self._target = np.zeros(n)
+
+    @classmethod
+    def from_config(
+        cls, team: Team, robot: int, parameters: dict[str, Any], where: str
+    ) -> MinimumVelocity:
+        """Return the task that a stack file describes; raises ConfigurationError."""
+        return cls(team, robot, build(MinimumVelocityParameters, parameters, where))
+
+    def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
+        """Return one row per joint of the robot."""
+        return LinearTask.equality(self.name, self._matrix, self._target)

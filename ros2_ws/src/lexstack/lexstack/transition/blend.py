@@ -1,0 +1,274 @@
+"""One blend under way, as a value: latched at its start, advanced once a tick."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lexstack.hqp import HqpProblem
+from lexstack.transition.bridge import Bridge, latch
+from lexstack.transition.channel_problem import Means
+from lexstack.transition.gap_motion import Carry
+from lexstack.transition.latch_state import Past
+from lexstack.transition.messages import Source
+from lexstack.transition.methods import METHODS, View
+from lexstack.transition.profiles import alpha
+from lexstack.transition.relatch import Tally
+from lexstack.transition.requests import SwitchRequest
+from lexstack.transition.robot_group import Part
+from lexstack.transition.route import Way
+from lexstack.transition.sources.inbox import Moment
+from lexstack.transition.time_optimal import Progress, advanced
+from lexstack.types import LinearTask, Vector
+
+_START = Progress()
+_NOTHING = Tally()
+_LITTLE = (0.02, 0.002)  # of the acceleration and the jerk limits
+_SHORTEST = 0.1  # s
+_PAIR = 1  # a target that reaches A and B at different ticks makes two latches; more are a stream
+_JUMP = 5.0  # of a joint's acceleration limit
+_FELT = 1e-3  # of a joint's acceleration limit: no difference of accelerations below it is felt
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Blend:
+    """A blend under way.
+
+    Attributes:
+        way: from where to where, for which request.
+        source: whose chi it follows.
+        start: the tick at which alpha is 0.
+        duration: in which alpha comes to 1 [s].
+        bridge: the gaps that were latched there, and what is carried over at this tick.
+        source_chi: the source's optimum of this tick, shape (n,).
+        step: how far A would have moved its command at the start, without what made it latch, (n,).
+        carry: the motion of the gap at its latch, None where it has none.
+        drift: how far the source's optimum has moved since the tick before, without what new
+            targets moved in it, shape (n,).
+        progress: alpha of this tick, and its rate where the profile has a state.
+        alone: whether A goes to its own optimum and follows B no longer, to the end.
+        end: the first tick for which the source is no longer needed, None until it is known.
+        recent: how many latches came shortly before this one.
+        tally: of what made it latch.
+    """
+
+    way: Way
+    source: Source
+    start: int
+    duration: float
+    bridge: Bridge
+    source_chi: Vector
+    step: Vector
+    carry: Carry | None = None
+    drift: Vector | None = None
+    progress: Progress = _START
+    alone: bool = False
+    end: int | None = None
+    recent: int = 0
+    tally: Tally = _NOTHING
+
+    @property
+    def request(self) -> SwitchRequest:
+        """The request that it serves."""
+        return self.way.request
+
+    @classmethod
+    def latched(
+        cls,
+        way: Way,
+        source: tuple[Source, Vector],
+        level: tuple[LinearTask, ...],
+        past: Past,
+        moment: Moment,
+    ) -> Blend:
+        """Return a blend that starts at this tick: delta and epsilon latched, alpha at 0.
+
+        Args:
+            way: from where to where.
+            source: whom to follow, and its chi of this tick, shape (n,).
+            level: level 1 of the target at this tick.
+            past: what A was about to do.
+            moment: this tick.
+        """
+        bridge = latch(past.start, source[1], level, past.level_goes_on)
+        if past.carry is not None and past.carry.older:
+            # A slip goes on to fade in its own time; delta is what is left of the gap.
+            fading = past.carry.at(0.0)
+            bridge = replace(bridge, delta=bridge.delta - fading, carried=fading)
+        step = past.start - moment.kinematics.state.command
+        return cls(
+            way,
+            source[0],
+            moment.tick,
+            way.request.duration,
+            bridge,
+            source[1],
+            step,
+            past.carry,
+            recent=past.recent,
+        )
+
+    def taken_over(self, own: Vector, tick: int, means: Means) -> Blend:
+        """Return the blend from B's chi of this tick on to A's own optimum of it, shape (n,).
+
+        Where B's chi is late or frozen, adopting the stack at once would make the command jump by
+        their difference. It fades as slowly as is needed to be hardly felt, and at most in the
+        time of the blend before: a chi that is one tick old takes the shortest time. What comes in
+        between, like a new target, has the request's whole time again.
+        """
+        gap = self.source_chi - own
+        step = np.zeros_like(own) if self.drift is None else self.drift
+        return Blend(
+            self.way,
+            Source.LOCAL,
+            tick,
+            self._unfelt(gap, means),
+            Bridge(gap, None),
+            own,
+            step,
+            alone=True,
+            tally=self.tally,
+        )
+
+    def _unfelt(self, gap: Vector, means: Means) -> float:
+        """Return in which time [s] a gap (n,) fades with ``_LITTLE`` acceleration and jerk.
+
+        The quintic's first and second derivative are at most 1.875 / T and 5.774 / T^2.
+        """
+        mine, limits = self.way.part.columns, means.limits
+        size = np.abs(gap[mine])
+        by_rate = 1.875 * float((size / limits.acceleration[mine]).max()) / _LITTLE[0]
+        by_jerk = math.sqrt(5.774 * float((size / limits.jerk[mine]).max()) / _LITTLE[1])
+        return min(self.duration, max(_SHORTEST, by_rate, by_jerk))
+
+    def of(self, part: Part) -> Blend:
+        """Return the blend of some of its robots, which goes on as it is."""
+        way = self.way.of(part)
+        target = self.way.target
+        epsilon, tasks = self.bridge.epsilon, () if target.planned else target.levels[0].tasks
+        if epsilon is not None:
+            kept = [set(task.robots) <= set(part.robots) for task in tasks]
+            epsilon = tuple(gap for gap, mine in zip(epsilon, kept, strict=True) if mine)
+        return replace(self, way=way, bridge=replace(self.bridge, epsilon=epsilon))
+
+    def advanced(self, chi: Vector, tick: int, means: Means, *, unsteady: bool = False) -> Blend:
+        """Return the blend at a tick, given the source's chi (n,) for it.
+
+        ``unsteady``: that chi may have moved by a new reference, which is no motion to go on with.
+        """
+        if tick == self.start:
+            return replace(self, source_chi=chi)
+        drift, elapsed = chi - self.source_chi, (tick - self.start) * means.dt
+        if self.request.profile == "time_optimal":
+            mine, limits = self.way.part.columns, means.limits
+            progress = advanced(
+                self.progress,
+                self.bridge.delta[mine],
+                drift[mine] / means.dt,
+                (limits.acceleration[mine], limits.jerk[mine]),
+                means.dt,
+            )
+        else:
+            progress = Progress(alpha(self.request.profile, elapsed, self.duration))
+        carry, bridge = self.carry, self.bridge
+        if tick == self.start + 1 and self.recent <= _PAIR and not unsteady:
+            carry = self._with_slip(drift, means)
+        if carry is not None:
+            bridge = replace(bridge, carried=carry.at(elapsed))
+        known = self.drift if unsteady else drift
+        # Not by dataclasses.replace, which takes three times as long.
+        latched = (self.way, self.source, self.start, self.duration, bridge, chi, self.step)
+        rest = (self.alone, self.end, self.recent, self.tally)
+        return Blend(*latched, carry, known, progress, *rest)
+
+    def jumps(self, chi: Vector, means: Means) -> bool:
+        """Return whether the source's chi (n,) moves by more than the joints follow in one tick.
+
+        Beyond its motion of the tick before, where that is known. A plan is followed as it comes.
+        """
+        if self.way.target.planned:
+            return False
+        mine, moved = self.way.part.columns, chi - self.source_chi
+        jump = moved if self.drift is None else moved - self.drift
+        return bool((np.abs(jump[mine]) > means.reach[mine]).any())
+
+    def over_at(self, tick: int, means: Means) -> bool:
+        """Return whether alpha is 1 at the next tick, if the source stays where it is."""
+        if self.request.profile == "time_optimal":
+            return self.advanced(self.source_chi, tick, means).progress.alpha >= 1.0
+        elapsed = (tick - self.start) * means.dt
+        return alpha(self.request.profile, elapsed, self.duration) >= 1.0
+
+    def left(self, tick: int, duration: float, means: Means) -> tuple[Vector, Carry | None]:
+        """Return what this blend, given up at ``tick``, leaves to the next one of ``duration`` [s].
+
+        Returns:
+            How far the command would have moved since the tick before, shape (n,), and the motion
+            of the gap.
+        """
+        if tick == self.start:  # given up before it began: there is no tick before to compare with
+            return self.step, None if self.carry is None else replace(self.carry, duration=duration)
+        step = np.zeros_like(self.step) if self.drift is None else self.drift
+        carry = None
+        if self.request.profile != "time_optimal":
+            times = tuple((tick + k - self.start) * means.dt for k in (-1, 0, 1))
+            step = step + self._gap(times[1]) - self._gap(times[0])
+            before, now, after = (self._lasting_gap(time) for time in times)
+            speed, bend = (after - before) / (2.0 * means.dt), (after - 2.0 * now + before)
+            older = () if self.carry is None else self.carry.fading(times[1])
+            carry = Carry(speed, bend / means.dt**2, duration, older=older)
+        reach = means.limits.acceleration * means.dt
+        return np.minimum(np.maximum(step, -reach), reach), carry
+
+    def problem(self, level: tuple[LinearTask, ...], moment: Moment, means: Means) -> HqpProblem:
+        """Return what the request's method asks for at this tick; ``level`` is the new level 1."""
+        state = (moment.kinematics, moment.references)
+        way = self.way
+        view = View(
+            way.part,
+            level,
+            self.source_chi,
+            means.bounds,
+            means.before,
+            new=lambda: self._new(moment),
+            old=lambda: way.origin.linearise(*state),
+            free=means.free,
+            solve=means.solve,
+        )
+        return METHODS[self.request.method](view, self.bridge, self.progress.alpha)
+
+    def _new(self, moment: Moment) -> tuple[tuple[LinearTask, ...], ...]:
+        """Return all levels of the stack that A goes to; on a plan to follow that alone."""
+        way = self.way
+        if way.target.planned:
+            return (way.part.follow(self.source_chi),)
+        return way.target.linearise(moment.kinematics, moment.references)
+
+    def _gap(self, elapsed: float) -> Vector:
+        """Return the gap after ``elapsed`` seconds, shape (n,)."""
+        gap = (1.0 - alpha(self.request.profile, elapsed, self.duration)) * self.bridge.delta
+        return gap if self.carry is None else gap + self.carry.at(max(elapsed, 0.0))
+
+    def _lasting_gap(self, elapsed: float) -> Vector:
+        """Return the gap after ``elapsed`` seconds without the slips, shape (n,)."""
+        gap = (1.0 - alpha(self.request.profile, elapsed, self.duration)) * self.bridge.delta
+        return gap if self.carry is None else gap + self.carry.lasting(max(elapsed, 0.0))
+
+    def _with_slip(self, drift: Vector, means: Means) -> Carry | None:
+        """Return the motion of the gap, now that the source's step from tick to tick is known."""
+        if self.request.profile == "time_optimal":
+            return None
+        slip = (self.step - drift) / means.dt
+        carry, limit = self.carry, means.limits.acceleration
+        if carry is not None:
+            slip -= (carry.at(means.dt) - carry.at(0.0)) / means.dt if carry.older else carry.speed
+        # Joint by joint: what one robot feels is nothing to the others. What is far beyond all that
+        # a joint can do is no acceleration, but a jump of the source.
+        size = np.abs(slip)
+        np.minimum(np.maximum(slip, -limit), limit, out=slip)
+        slip[(size <= _FELT * limit) | (size > _JUMP * limit)] = 0.0
+        if not slip[self.way.part.columns].any():
+            return carry
+        return replace(carry or Carry.none(slip.size, self.duration), slip=slip)

@@ -1,0 +1,96 @@
+"""What A solves at one tick, on the way from stack to stack or on its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from lexstack.hqp import HqpProblem
+from lexstack.limits.viable_bounds import Bounds, JointLimits
+from lexstack.transition.robot_group import Columns
+from lexstack.types import Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What A solves at one tick for the robots of one channel.
+
+    Attributes:
+        problem: levels and box.
+        source: the chi that A goes to, shape (n,), or None when it serves its own stack.
+        alpha: of the blend, 1 when there is none.
+    """
+
+    problem: HqpProblem
+    source: Vector | None
+    alpha: float
+
+
+@dataclass(frozen=True, slots=True)
+class Plans:
+    """What A solves at one tick.
+
+    Attributes:
+        problem: of all robots.
+        each: of every channel, in their order.
+    """
+
+    problem: HqpProblem
+    each: tuple[Plan, ...]
+
+    @classmethod
+    def of(cls, plans: Sequence[Plan], columns: Sequence[Columns]) -> Plans:
+        """Return the plans of channels that share no robot as one problem.
+
+        Levels of equal rank stand side by side: no row of one plan has joints of another, so the
+        optimum of the whole is that of each.
+
+        Args:
+            plans: one per channel.
+            columns: of each channel's joints.
+        """
+        if len(plans) == 1:
+            return cls(plans[0].problem, tuple(plans))
+        problems = [plan.problem for plan in plans]
+        depth = max(len(problem.levels) for problem in problems)
+        levels = tuple(
+            tuple(task for p in problems if k < len(p.levels) for task in p.levels[k])
+            for k in range(depth)
+        )
+        box = problems[0].bounds
+        if any(problem.bounds is not box for problem in problems):
+            lower, upper = box.lower.copy(), box.upper.copy()
+            for problem, mine in zip(problems, columns, strict=True):
+                lower[mine] = problem.bounds.lower[mine]
+                upper[mine] = problem.bounds.upper[mine]
+            box = Bounds(lower, upper)
+        return cls(HqpProblem(tuple(level for level in levels if level), box), tuple(plans))
+
+
+@dataclass(frozen=True, slots=True)
+class Means:
+    """What the controller lends to a transition for one tick.
+
+    Attributes:
+        bounds: A's own box.
+        before: A's box of the tick before; that of this tick where there is none.
+        free: the box without acceleration limits, T(35).
+        solve: solves a further problem; its chi has shape (n,). Where that fails, ``held``.
+        limits: of the joints.
+        dt: control period [s].
+        held: returns what the robots did, within the box, shape (n,); to be used in place of a
+            solution that failed, for the reason given, which is told.
+    """
+
+    bounds: Bounds
+    before: Bounds
+    free: Callable[[], Bounds]
+    solve: Callable[[HqpProblem], Vector]
+    limits: JointLimits
+    dt: float
+    held: Callable[[str], Vector]
+
+    @property
+    def reach(self) -> Vector:
+        """How far each joint's velocity may change in one tick, shape (n,), m/s and rad/s."""
+        return 0.5 * (self.bounds.upper - self.bounds.lower)

@@ -1,0 +1,1 @@
+"""Channels: robots that are on one stack, or on the same way to one."""

@@ -1,0 +1,264 @@
+"""Some robots that are on one stack, or on their way to one: a value, advanced once a tick."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lexstack.hqp import HqpProblem
+from lexstack.references import References
+from lexstack.tasks.stack import Stack, joined
+from lexstack.transition.blend import Blend
+from lexstack.transition.bridge import goes_on
+from lexstack.transition.channel_problem import Means, Plan
+from lexstack.transition.gap_motion import Carry
+from lexstack.transition.latch_state import HURRY, Past
+from lexstack.transition.messages import Source
+from lexstack.transition.methods import BRIDGES
+from lexstack.transition.relatch import LOSSES, level_jumps
+from lexstack.transition.robot_group import Part
+from lexstack.transition.sources.inbox import Choice, Moment, Sources
+from lexstack.types import LinearTask, Vector
+
+_NEAR = 10.0  # of what a joint follows in one tick: as old as a plan may be, and two ticks more
+_SAME = 1e-3  # of what a joint's acceleration limit allows in one tick: no difference that is felt
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Channel:
+    """Robots with one alpha; every robot is on one channel.
+
+    Attributes:
+        part: the robots.
+        adopted: the stacks that they adopted last; one, but in a blend that brought them together.
+        id: of the last transition, 0 before the first.
+        origin: name of the stack that they came from.
+        used: the references of the tick before.
+        blend: under way, None when they serve their stack.
+        reason: why it is so, where it is not as asked.
+        aborted: why the last transition was given up, to be told once.
+    """
+
+    part: Part
+    adopted: tuple[Stack, ...]
+    origin: str
+    id: int = 0
+    used: References | None = None
+    blend: Blend | None = None
+    reason: str = ""
+    aborted: str = ""
+
+    @property
+    def target(self) -> Stack:
+        """The stack in effect; during a blend the one that they go to."""
+        return joined(self.adopted, self.part.team) if self.blend is None else self.blend.way.target
+
+    @property
+    def method(self) -> str:
+        """The method of the transition under way, '' without one."""
+        return "" if self.blend is None else self.blend.request.method
+
+    def of(self, part: Part) -> Channel:
+        """Return the channel of some of its robots; whatever is under way goes on."""
+        if part.robots == self.part.robots:
+            return self
+        mine = [
+            stack.of(tuple(robot for robot in stack.robots or () if robot in part.robots))
+            for stack in self.adopted
+        ]
+        adopted = tuple(stack for stack in mine if stack.robots)
+        blend = None if self.blend is None else self.blend.of(part)
+        return replace(self, part=part, adopted=adopted, blend=blend)
+
+    # ---- the tick
+
+    def step(
+        self, moment: Moment, means: Means, sources: Sources, *, adopts: bool
+    ) -> tuple[Channel, Plan]:
+        """Return what A solves for these robots at this tick, and the channel after it."""
+        if self.blend is None:
+            levels = self.target.linearise(moment.kinematics, moment.references)
+            plan = Plan(HqpProblem(levels, means.bounds), None, 1.0)
+            used = moment.references
+            return (self if self.used is used else replace(self, used=used)), plan
+        return self._go_on(self.blend, moment, means, sources, adopts=adopts)
+
+    def _go_on(
+        self, blend: Blend, moment: Moment, means: Means, sources: Sources, *, adopts: bool
+    ) -> tuple[Channel, Plan]:
+        """Return what A solves in a blend; latch anew where the source or level 1 changed."""
+        target, tick = blend.way.target, moment.tick
+        adopts = adopts and not target.planned
+        level = target.first(moment.kinematics, moment.references)
+        choice, blend = _followed(blend, level, moment, sources)
+        reason = choice.why or self.reason
+        chi = sources.chi(choice, target, moment, means)
+        unsteady = blend.tally.unsteady(moment, choice, sources.stale)
+        blend = self._latched_again(blend, (choice, chi), level, moment, means, unsteady=unsteady)
+        tally = blend.tally.at(moment, choice)
+        if tally is not blend.tally:
+            blend = replace(blend, tally=tally)
+        blend = blend.advanced(chi, tick, means, unsteady=unsteady)
+        at_end = adopts and choice.source is Source.ROBOT_B and blend.progress.alpha >= 1.0
+        if at_end and blend.request.method in BRIDGES:
+            blend, why = _at_end(blend, sources.own(target, moment, means), tick, means)
+            reason = why or reason
+        elif adopts and blend.end is None and blend.over_at(tick + 1, means):
+            # Known one tick ahead, so that the source never solves for nothing.
+            blend = replace(blend, end=tick + 2)
+        plan = Plan(blend.problem(level, moment, means), blend.source_chi, blend.progress.alpha)
+        used, kept = moment.references, (self.part, self.adopted, self.origin, self.id)
+        return Channel(*kept, used, blend, reason, self.aborted), plan
+
+    def _latched_again(
+        self,
+        blend: Blend,
+        source: tuple[Choice, Vector],
+        level: tuple[LinearTask, ...],
+        moment: Moment,
+        means: Means,
+        *,
+        unsteady: bool,
+    ) -> Blend:
+        """Return the blend, latched anew where what it goes to is no longer what it was.
+
+        Args:
+            blend: under way.
+            source: whom to follow, and its chi of this tick, shape (n,).
+            level: level 1 of the target at this tick.
+            moment: this tick.
+            means: what the controller lends.
+            unsteady: whether the chi may have moved by a new reference.
+        """
+        (choice, chi), tally = source, blend.tally
+        if choice.source is blend.source:
+            if blend.start == moment.tick or not tally.may_latch(moment):
+                return blend
+            jumps = unsteady and blend.jumps(chi, means)
+            if not jumps and not level_jumps(blend.way, level, moment, means):
+                return blend
+            tally = tally.with_target(moment)
+            tally = tally.seen() if jumps else tally
+        past = past_of((self,), level, blend.request.duration, moment, means)
+        if choice.source is Source.HTMPC and self._begins_here(chi, moment, means):
+            past = Past(chi, past.level_goes_on, None)
+        latched = Blend.latched(blend.way, (choice.source, chi), level, past, moment)
+        # Who goes on as before is taken to move as before, until that is known; but not for ever.
+        drift = blend.drift if choice.source is blend.source and not past.recent else None
+        return replace(latched, drift=drift, alone=blend.alone, tally=tally)
+
+    def _begins_here(self, chi: Vector, moment: Moment, means: Means) -> bool:
+        """Return whether a plan that is back begins where these robots are, at chi (n,) now.
+
+        Then there is no gap to fade. One that was latched would come back with every plan, as each
+        begins at A's command.
+        """
+        gap = np.abs(chi - moment.kinematics.state.command) <= _NEAR * means.reach
+        return bool(gap[self.part.columns].all())
+
+    def finished(self, plan: Plan, sources: Sources, *, adopts: bool) -> Channel:
+        """Return the channel after the tick: at the end it has adopted the stack."""
+        blend = self.blend
+        if blend is None or plan.alpha < 1.0 or not adopts or blend.way.target.planned:
+            return replace(self, aborted="") if self.aborted else self
+        target, aborted = blend.way.target, ""
+        if blend.source is Source.MINIMUM_VELOCITY:
+            target, aborted = sources.at_rest(target), f"{self.reason}; at rest"
+        told = blend.alone and not blend.tally.losses  # of the blend from B to A that is over
+        reason = "" if told else self.reason
+        return replace(self, adopted=(target,), blend=None, aborted=aborted, reason=reason)
+
+
+def _followed(
+    blend: Blend, level: tuple[LinearTask, ...], moment: Moment, sources: Sources
+) -> tuple[Choice, Blend]:
+    """Return whom a blend follows at this tick, and the blend with a loss of B counted."""
+    if blend.alone:
+        return Choice(blend.source), blend
+    # A part of a stack cannot be compared with what B says of the whole.
+    known = level if blend.way.whole else ()
+    asked = asked_of(blend.way.target)
+    choice = sources.present(blend.source, blend.request.id, moment, known, asked)
+    done = blend.progress.alpha >= 1.0
+    tally = blend.tally.lost(blend.source, choice, done=done)
+    if tally is blend.tally:
+        return choice, blend
+    alone = tally.losses >= LOSSES
+    if alone:
+        count = f"; it is loss {tally.losses} of this blend, so B is not followed again"
+        choice = replace(choice, why=choice.why + count)
+    return choice, replace(blend, tally=tally, alone=alone)
+
+
+def asked_of(stack: Stack) -> Source:
+    """Return who is to solve a stack for A."""
+    return Source.HTMPC if stack.planned else Source.ROBOT_B
+
+
+def past_of(
+    channels: Sequence[Channel],
+    level: tuple[LinearTask, ...],
+    duration: float,
+    moment: Moment,
+    means: Means,
+) -> Past:
+    """Return it for robots that were on one channel or on several.
+
+    A stack that A serves alone gives its optimum of this tick: the motion then goes on as it
+    was, where the last command would stand still for a tick. In a blend the command goes on by
+    what the blend would have moved it.
+
+    Args:
+        channels: that the robots were on; no others are on them.
+        level: level 1 of the stack that A goes to, at this tick.
+        duration: of the blend to come [s].
+        moment: this tick.
+        means: what the controller lends.
+    """
+    kinematics = moment.kinematics
+    old = tuple(
+        task for channel in channels for task in channel.target.first(kinematics, moment.before)
+    )
+    same = goes_on(level, old, means.reach)
+    references = moment.references if same else moment.before
+    start = kinematics.state.command.copy()
+    carry: Carry | None = None
+    recent = 0
+    for channel in channels:
+        columns = channel.part.columns
+        if channel.blend is None:
+            levels = channel.target.linearise(kinematics, references)
+            chi = means.solve(HqpProblem(levels, means.bounds))
+            start[columns] = chi[columns]
+            continue
+        same = same and channel.blend.bridge.epsilon is None
+        if (moment.tick - channel.blend.start) * means.dt < HURRY:
+            recent = max(recent, channel.blend.recent + 1)
+        step, left = channel.blend.left(moment.tick, duration, means)
+        start[columns] += step[columns]
+        if left is not None:
+            carry = carry or Carry.none(start.size, duration)
+            carry = carry.with_part(columns, left)
+    return Past(start, same, carry, recent)
+
+
+def _at_end(blend: Blend, own: Vector, tick: int, means: Means) -> tuple[Blend, str]:
+    """Return how A goes on at the end, and why if not as it is: where its own optimum is not B's.
+
+    Args:
+        blend: whose alpha is 1.
+        own: A's own optimum of this tick, shape (n,).
+        tick: this one.
+        means: what the controller lends.
+    """
+    mine = blend.way.part.columns
+    apart = np.abs(own - blend.source_chi)[mine]
+    if (apart <= _SAME * means.limits.acceleration[mine] * means.dt).all():
+        return blend, ""
+    why = (
+        f"robot B's chi at tick {tick} is {apart.max():.2g} (m/s, rad/s) off robot A's own: "
+        "robot A blends on to its own"
+    )
+    return blend.taken_over(own, tick, means), why

@@ -1,0 +1,82 @@
+"""Channels that become one: by a request for robots of several, or on the same stack again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from lexstack.tasks.stack import Stack, joined
+from lexstack.transition.blend import Blend
+from lexstack.transition.channel_problem import Means
+from lexstack.transition.channels.channel import Channel, past_of
+from lexstack.transition.channels.lineup import PartOf
+from lexstack.transition.relatch import Tally
+from lexstack.transition.requests import SwitchRequest
+from lexstack.transition.robot_group import Part
+from lexstack.transition.route import Way
+from lexstack.transition.sources.inbox import Choice, Moment
+from lexstack.types import Vector
+
+
+def begun(
+    channels: Sequence[Channel],
+    request: SwitchRequest,
+    goal: tuple[Part, Stack, bool],
+    source: tuple[Choice, Vector],
+    moment: Moment,
+    means: Means,
+) -> Channel:
+    """Return the channel that a request makes of robots that were on others until now.
+
+    Args:
+        channels: that they were on, without any other robots.
+        request: whose tick has come.
+        goal: the robots, the stack that they go to, and whether they are all that it moves.
+        source: whom to follow, and its chi of this tick, shape (n,).
+        moment: this tick.
+        means: what the controller lends.
+    """
+    (part, target, whole), (choice, chi) = goal, source
+    level = target.first(moment.kinematics, moment.references)
+    past = past_of(channels, level, request.duration, moment, means)
+    way = Way(request, part, joined([c.target for c in channels], part.team), target, whole)
+    blend = Blend.latched(way, (choice.source, chi), level, past, moment)
+    blend = replace(blend, tally=Tally().at(moment, choice))
+    gone = dict.fromkeys(c.blend.request.id for c in channels if c.blend is not None)
+    reason = request.reason
+    if gone and not reason:
+        reason = f"pre-empted transition {', '.join(map(str, gone))}"
+    adopted = tuple(stack for channel in channels for stack in channel.adopted)
+    return Channel(
+        part,
+        adopted,
+        " + ".join(dict.fromkeys(stack.name for stack in adopted)),
+        request.id,
+        moment.references,
+        blend,
+        "; ".join(word for word in (reason, choice.why) if word),
+        next((channel.aborted for channel in channels if channel.aborted), ""),
+    )
+
+
+def together(channels: Sequence[Channel], part_of: PartOf) -> tuple[Channel, ...]:
+    """Return the channels with those made one that serve the same stack alone.
+
+    Args:
+        channels: in the order of their robots.
+        part_of: makes the part of some robots.
+    """
+    idle: dict[tuple[str, int], list[Channel]] = {}
+    for channel in channels:
+        if channel.blend is None and not channel.aborted:
+            idle.setdefault((channel.target.name, id(channel.used)), []).append(channel)
+    groups = [group for group in idle.values() if len(group) > 1]
+    if not groups:
+        return tuple(channels)
+    kept = [each for each in channels if not any(each in group for group in groups)]
+    for group in groups:
+        newest = max(group, key=lambda each: each.id)
+        part = part_of(robot for each in group for robot in each.part.robots)
+        stack = joined([each.target for each in group], part.team)
+        kept.append(replace(newest, part=part, adopted=(stack,)))
+    return tuple(sorted(kept, key=lambda each: each.part.robots))

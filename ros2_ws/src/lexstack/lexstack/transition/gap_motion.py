@@ -1,0 +1,99 @@
+"""What a new gap keeps of the motion in which it was latched, so that the command has no kink.
+
+A gap that is latched while the command accelerates would begin to fade from rest: the acceleration
+would jump. The gap d(t) = chi_A - chi_S therefore begins with what is known of its motion, and the
+quintic H_1, H_2 lead its rate and its second derivative to rest in the time T of the blend:
+
+    d(t) = (1 - alpha) delta + T H_1(t/T) d'(t0) + T^2 H_2(t/T) d''(t0) + tau H_1(t/tau) slip
+    H_1(s) = s - 6 s^3 + 8 s^4 - 3 s^5          H_2(s) = (s^2 - 3 s^3 + 3 s^4 - s^5) / 2
+
+d' and d'' are those of the gap that was fading before. slip is what is left of the difference of
+the accelerations of A and of the source; it shows one tick after the latch, and as it is a
+difference of two messages it is led away in a short time tau. A slip that still fades when the next
+gap is latched goes on to fade beside it, in its own time: as a part of d' and d'' its curvature of
+tau would be led away in T, and drive the command far off, farther with every latch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lexstack.transition.robot_group import Columns
+from lexstack.types import Vector
+
+Slip = tuple[Vector, float, float]
+"""A slip of a latch before, shape (n,), the time since that latch [s], and its tau [s]."""
+
+_SHORT = 0.2  # s, tau; a jump of the source by x is felt as an excursion of about 4 x at 100 Hz
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Carry:
+    """The motion of a gap at its latch, shape (n,) each.
+
+    Attributes:
+        speed: d', m/s^2 and rad/s^2.
+        bend: d'', m/s^3 and rad/s^3.
+        duration: T [s].
+        slip: m/s^2 and rad/s^2; None until it is known.
+        older: slips of latches before, which still fade.
+    """
+
+    speed: Vector
+    bend: Vector
+    duration: float
+    slip: Vector | None = None
+    older: tuple[Slip, ...] = ()
+
+    @classmethod
+    def none(cls, n: int, duration: float) -> Carry:
+        """Return that of a gap which does not move."""
+        zeros = np.zeros(n)
+        return cls(zeros, zeros, duration)
+
+    def with_part(self, columns: Columns, other: Carry) -> Carry:
+        """Return it with the motion of another one on some joints, where it has none itself."""
+        speed, bend = self.speed.copy(), self.bend.copy()
+        speed[columns], bend[columns] = other.speed[columns], other.bend[columns]
+        older = tuple((_on(columns, slip), age, tau) for slip, age, tau in other.older)
+        return replace(self, speed=speed, bend=bend, older=(*self.older, *older))
+
+    def at(self, elapsed: float) -> Vector:
+        """Return its part of the gap ``elapsed`` seconds after the latch, shape (n,)."""
+        value = self.lasting(elapsed)
+        if self.slip is not None:
+            tau = min(_SHORT, self.duration)
+            value += (tau * _quintics(elapsed / tau)[0]) * self.slip
+        for slip, age, tau in self.older:
+            value += (tau * _quintics((age + elapsed) / tau)[0]) * slip
+        return value
+
+    def lasting(self, elapsed: float) -> Vector:
+        """Return what ``at`` does, without the slips."""
+        by_speed, by_bend = _quintics(elapsed / self.duration)
+        value = (self.duration * by_speed) * self.speed
+        value += (self.duration**2 * by_bend) * self.bend
+        return value
+
+    def fading(self, elapsed: float) -> tuple[Slip, ...]:
+        """Return the slips that still fade ``elapsed`` seconds after the latch."""
+        slips = [(slip, age + elapsed, tau) for slip, age, tau in self.older]
+        if self.slip is not None:
+            slips.append((self.slip, elapsed, min(_SHORT, self.duration)))
+        return tuple(entry for entry in slips if entry[1] < entry[2])
+
+
+def _on(columns: Columns, vector: Vector) -> Vector:
+    """Return a vector with all but some joints set to zero."""
+    kept = np.zeros_like(vector)
+    kept[columns] = vector[columns]
+    return kept
+
+
+def _quintics(s: float) -> tuple[float, float]:
+    """Return H_1(s) and H_2(s), 0 from s = 1 on."""
+    if s >= 1.0:
+        return 0.0, 0.0
+    return s * (1.0 - s) ** 3 * (1.0 + 3.0 * s), 0.5 * s * s * (1.0 - s) ** 3

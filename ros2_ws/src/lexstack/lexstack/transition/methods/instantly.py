@@ -1,0 +1,17 @@
+"""No transition at all: what today's libraries do."""
+
+from __future__ import annotations
+
+from lexstack.hqp import HqpProblem
+from lexstack.transition.bridge import Bridge
+from lexstack.transition.methods.view import View
+
+
+def instant(view: View, _latched: Bridge, _alpha: float) -> HqpProblem:
+    """Return the source's optimum as it is, without acceleration limits."""
+    return HqpProblem((view.part.follow(view.source),), view.free())
+
+
+def instant_limited(view: View, _latched: Bridge, _alpha: float) -> HqpProblem:
+    """Return the new stack within A's own box: the strong baseline, smooth by its limits alone."""
+    return HqpProblem(view.new(), view.bounds)

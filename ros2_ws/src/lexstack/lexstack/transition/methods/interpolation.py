@@ -1,0 +1,18 @@
+"""Interpolation of two solutions, after Lee, Mansard and Park 2012."""
+
+from __future__ import annotations
+
+from lexstack.hqp import HqpProblem
+from lexstack.transition.bridge import Bridge
+from lexstack.transition.methods.view import View
+
+
+def interpolation(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
+    """Return (1 - alpha) chi_old + alpha chi_S: the old stack is solved beside the new one.
+
+    Both are targets without acceleration limits, T(35); their mean then is within A's own. No
+    optimum of anything in between; on pre-emption it starts from the old stack again.
+    """
+    old = view.solve(HqpProblem(view.old(), view.free()))
+    mean = (1.0 - alpha) * old + alpha * view.source
+    return HqpProblem((view.part.follow(mean),), view.bounds)

@@ -1,0 +1,53 @@
+"""The two methods that paper T prints, one of them in two readings."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lexstack.hqp import HqpProblem
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.transition.bridge import Bridge
+from lexstack.transition.methods.view import View, below
+
+
+def t37(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
+    """Return T(37): level 1, then the source, within ``alpha`` times the box of T(35).
+
+    As printed: at alpha = 0 the box is the point 0, so whatever moves stops at once, beyond every
+    acceleration limit. Where the box excludes 0 (outside a position limit) it is kept whole.
+    """
+    box = view.free()
+    lower = alpha * box.lower.clip(max=0.0) + box.lower.clip(min=0.0)
+    upper = alpha * box.upper.clip(min=0.0) + box.upper.clip(max=0.0)
+    levels = below(view.first, view.part.follow(view.source))
+    return HqpProblem(levels, Bounds(lower, upper))
+
+
+def t34(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
+    """Return T(34): level 1, then the source, in a box that goes from the last tick's to the new.
+
+    The new box is that of T(35), without acceleration limits, as robot B has it. Where the limits
+    do not change, neither does the box: the method then has no effect.
+    """
+    levels = below(view.first, view.part.follow(view.source))
+    return HqpProblem(levels, _between(view.before, view.free(), alpha))
+
+
+def t34_limited(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
+    """Return T(34) read in its strongest form: with the acceleration limits of T(31) in both boxes.
+
+    The new box is A's own, and the blend never leaves it: so it is never empty, and every change of
+    the command stays within the acceleration limits.
+    """
+    box, own = _between(view.before, view.bounds, alpha), view.bounds
+    lower = np.clip(box.lower, own.lower, own.upper)
+    upper = np.clip(box.upper, own.lower, own.upper)
+    levels = below(view.first, view.part.follow(view.source))
+    return HqpProblem(levels, Bounds(lower, upper))
+
+
+def _between(old: Bounds, new: Bounds, alpha: float) -> Bounds:
+    """Return the box alpha new + (1 - alpha) old."""
+    lower = alpha * new.lower + (1.0 - alpha) * old.lower
+    upper = alpha * new.upper + (1.0 - alpha) * old.upper
+    return Bounds(lower, upper)

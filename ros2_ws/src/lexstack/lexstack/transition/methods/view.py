@@ -1,0 +1,51 @@
+"""What a transition method sees of one tick, and what a method is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from lexstack.hqp import HqpProblem
+from lexstack.limits.viable_bounds import Bounds
+from lexstack.transition.bridge import Bridge
+from lexstack.transition.robot_group import Part
+from lexstack.types import LinearTask, Vector
+
+Levels = tuple[tuple[LinearTask, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """One tick of a blend. What only some methods need is a function, called by those alone.
+
+    Attributes:
+        part: the robots that are on their way; all levels below are theirs.
+        first: level 1 of the new stack.
+        source: chi_S, the source's optimum of the new stack, shape (n,).
+        bounds: A's own box, with the acceleration limits.
+        before: A's box of the tick before; that of this tick where there is none.
+        new: all levels of the new stack.
+        old: all levels of the stack that A comes from.
+        free: the box of T(35), without the acceleration limits.
+        solve: the optimum of a further problem, shape (n,).
+    """
+
+    part: Part
+    first: tuple[LinearTask, ...]
+    source: Vector
+    bounds: Bounds
+    before: Bounds
+    new: Callable[[], Levels]
+    old: Callable[[], Levels]
+    free: Callable[[], Bounds]
+    solve: Callable[[HqpProblem], Vector]
+
+
+# (this tick, what was latched at the trigger, alpha in [0, 1]) -> what A solves
+Method = Callable[[View, Bridge, float], HqpProblem]
+"""A transition method. At alpha = 1 its problem's optimum is the source's, within the bounds."""
+
+
+def below(first: tuple[LinearTask, ...], second: tuple[LinearTask, ...]) -> Levels:
+    """Return two levels; on a plan there is no first one."""
+    return (first, second) if first else (second,)

@@ -1,0 +1,99 @@
+"""When a blend latches anew in mid-way, and how often: so that it always comes to its end.
+
+Every latch lets alpha begin again. A source that comes and goes, or targets that jump at every
+tick, would hold a blend up for ever. So both are counted within one blend: after ``LOSSES`` losses
+of robot B A goes on to its own solution alone, and after ``TARGETS`` sets of targets further ones
+are followed within the acceleration limits, as they are without a switch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from lexstack.transition.bridge import follows_within
+from lexstack.transition.channel_problem import Means
+from lexstack.transition.messages import Source
+from lexstack.transition.route import Way
+from lexstack.transition.sources.inbox import Choice, Moment
+from lexstack.types import LinearTask
+
+LOSSES = 3  # of robot B in one blend; from the last one on A does without it
+TARGETS = 10  # sets of targets for which one blend begins again
+_NEVER = -1_000_000  # a tick long before the first one
+
+
+@dataclass(frozen=True, slots=True)
+class Tally:
+    """What one blend has met so far.
+
+    Attributes:
+        losses: of robot B.
+        targets: sets of targets that made it latch.
+        counted: the revision of the last ones, -1 where it is not known.
+        anew: the last tick at which targets took effect at robot A; ``_NEVER``: none did, or the
+            source's chi has shown them.
+        revision: of the references that the followed chi was solved with; None: not known.
+    """
+
+    losses: int = 0
+    targets: int = 0
+    counted: int = -1
+    anew: int = _NEVER
+    revision: int | None = None
+
+    def lost(self, before: Source, choice: Choice, *, done: bool) -> Tally:
+        """Return it after a tick; ``done``: alpha was at 1, so that this begins another blend."""
+        if before is not Source.ROBOT_B or choice.source is Source.ROBOT_B:
+            return self
+        return replace(self, losses=1 if done else self.losses + 1)
+
+    def with_target(self, moment: Moment) -> Tally:
+        """Return it after a latch for the references of this tick."""
+        revision = moment.references.revision or -1
+        if revision == self.counted != -1:
+            return self  # the same targets, still being led in
+        return replace(self, targets=self.targets + 1, counted=revision)
+
+    def seen(self) -> Tally:
+        """Return it after new targets have shown in the source's chi: no more are expected."""
+        return replace(self, anew=_NEVER)
+
+    def may_latch(self, moment: Moment) -> bool:
+        """Return whether the references of this tick may make the blend latch."""
+        led_in = moment.references.revision == self.counted > 0
+        return self.targets < TARGETS or led_in
+
+    def at(self, moment: Moment, choice: Choice) -> Tally:
+        """Return it with what is known of the references at this tick."""
+        if not moment.anew and choice.revision == self.revision:
+            return self
+        anew = moment.tick if moment.anew else self.anew
+        return replace(self, anew=anew, revision=choice.revision)
+
+    def unsteady(self, moment: Moment, choice: Choice, stale: int) -> bool:
+        """Return whether a step of the source's chi at this tick may be a new reference's doing.
+
+        Where revisions are known, it is so when the chi has other ones than that of the tick
+        before. Else targets that took effect at A not long ago may show in the chi only now.
+
+        Args:
+            moment: this tick.
+            choice: whom A follows.
+            stale: the most ticks by which a chi may be late.
+        """
+        if choice.sample is None:
+            return moment.anew
+        if None not in (choice.revision, self.revision):
+            return choice.revision != self.revision
+        return moment.anew or moment.tick - self.anew <= stale
+
+
+def level_jumps(way: Way, level: tuple[LinearTask, ...], moment: Moment, means: Means) -> bool:
+    """Return whether new references move level 1 by more than the joints follow in one tick.
+
+    Less than that needs no bridge: a stream of small steps must not hold a transition up.
+    """
+    if moment.references is moment.before:
+        return False
+    old = way.target.first(moment.kinematics, moment.before)
+    return not follows_within(level, old, means.reach)

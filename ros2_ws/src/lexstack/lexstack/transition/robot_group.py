@@ -1,0 +1,63 @@
+"""The part of chi that belongs to some of the robots."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack.robots import Team
+from lexstack.types import LinearTask, Matrix, Vector
+
+Columns = slice | NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Some robots of a team, in its order.
+
+    Attributes:
+        robots: their places.
+        names: of the robots.
+        columns: their joints in chi; a slice where they stand side by side.
+        pieces: per piece of the columns, which no follow task couples with the others: its name,
+            its columns, and these rows of the identity, shape (m, n).
+        team: that they belong to.
+    """
+
+    robots: tuple[int, ...]
+    names: tuple[str, ...]
+    columns: Columns
+    pieces: tuple[tuple[str, slice, Matrix], ...]
+    team: Team
+
+    @classmethod
+    def of(cls, team: Team, robots: Iterable[int]) -> Part:
+        """Return the part of these robots of a team."""
+        places = tuple(sorted(robots))
+        names = tuple(team.names[robot] for robot in places)
+        slices = [team.slices[robot] for robot in places]
+        joints = team.columns(places)
+        columns: Columns = joints
+        if joints.size == joints[-1] + 1 - joints[0]:
+            columns = slice(int(joints[0]), int(joints[-1]) + 1)
+        if len(places) == len(team.robots):
+            whole = ("follow_chi", slice(0, team.n), np.eye(team.n))
+            return cls(places, names, columns, (whole,), team)
+        pieces = tuple(
+            (f"{name}/follow_chi", part, np.eye(part.stop - part.start, team.n, part.start))
+            for name, part in zip(names, slices, strict=True)
+        )
+        return cls(places, names, columns, pieces, team)
+
+    def shares(self, other: Part) -> bool:
+        """Return whether two parts have a robot in common."""
+        return not set(self.robots).isdisjoint(other.robots)
+
+    def follow(self, target: Vector) -> tuple[LinearTask, ...]:
+        """Return the level chi -> target, shape (n,), on these robots' joints, T(33)."""
+        return tuple(
+            LinearTask.equality(name, rows, target[columns]) for name, columns, rows in self.pieces
+        )

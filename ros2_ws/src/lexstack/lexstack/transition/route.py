@@ -1,0 +1,33 @@
+"""From which stack to which one robots go, and for which request."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lexstack.tasks.stack import Stack
+from lexstack.transition.requests import SwitchRequest
+from lexstack.transition.robot_group import Part
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """From where to where.
+
+    Attributes:
+        request: that is served.
+        part: the robots that go.
+        origin: the stack that they come from.
+        target: the stack that they go to.
+        whole: whether they are all robots that this stack moves.
+    """
+
+    request: SwitchRequest
+    part: Part
+    origin: Stack
+    target: Stack
+    whole: bool
+
+    def of(self, part: Part) -> Way:
+        """Return the way of some of its robots."""
+        origin, target = self.origin.of(part.robots), self.target.of(part.robots)
+        return Way(self.request, part, origin, target, whole=False)

@@ -1,0 +1,41 @@
+"""What A has told its source, and what it must tell it next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from lexstack.transition.messages import Announcement
+from lexstack.transition.requests import SwitchRequest
+
+Wanted = tuple[SwitchRequest, int | None]
+"""A request whose stack the source shall solve, and the first tick for which no longer."""
+
+
+class Announcer:
+    """Tells every change once."""
+
+    def __init__(self) -> None:
+        """Start with nothing told."""
+        self._told: dict[int, Wanted] = {}
+
+    def changes(self, wanted: Mapping[int, Wanted]) -> list[Announcement]:
+        """Return what is new, given all that is wanted now by transition id."""
+        if not wanted and not self._told:
+            return []
+        news = []
+        for id_, (request, end) in wanted.items():
+            told = self._told.get(id_)
+            if told is None or (told[1] is not None and end is None):
+                news.append(_word(request, request.at_tick, active=True))
+            if end is not None and (told is None or told[1] != end):
+                news.append(_word(request, end, active=False))
+        for id_, (request, end) in self._told.items():
+            if id_ not in wanted and end is None:
+                news.append(_word(request, 0, active=False))
+        self._told = dict(wanted)
+        return news
+
+
+def _word(request: SwitchRequest, tick: int, *, active: bool) -> Announcement:
+    """Return the announcement of a request or of its end."""
+    return Announcement(request.id, request.stack, tick, active, request.robots)

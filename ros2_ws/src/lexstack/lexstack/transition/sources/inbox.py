@@ -1,0 +1,235 @@
+"""Whose chi robot A follows: robot B's while it is fresh, else A's own stand-in."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from lexstack.config.scenario import ScenarioConfig
+from lexstack.hqp import Solution
+from lexstack.references import References
+from lexstack.robots import Kinematics
+from lexstack.tasks.stack import Stack
+from lexstack.transition.channel_problem import Means
+from lexstack.transition.messages import Source, SourceSample
+from lexstack.transition.sources.newest_chi import Inbox
+from lexstack.transition.sources.residual_check import Rows, Witness
+from lexstack.types import Vector
+
+_EVIDENCE = 10  # chi in a row that miss level 1, in realtime
+
+
+class LocalSource(Protocol):
+    """A's own stand-in for robot B."""
+
+    def solve(self, stack: Stack, kinematics: Kinematics, references: References) -> Solution:
+        """Return the optimum of a stack, its chi of shape (n,); a failure is a value."""
+        ...
+
+    def at_rest(self, stack: Stack) -> Stack:
+        """Return level 1 of a stack with minimum velocity below it."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """One tick as a transition sees it.
+
+    Attributes:
+        kinematics: at the measured state.
+        references: in effect at this tick.
+        before: in effect at the tick before.
+    """
+
+    kinematics: Kinematics
+    references: References
+    before: References
+
+    @property
+    def tick(self) -> int:
+        """The tick's number."""
+        return self.kinematics.state.tick
+
+    @property
+    def anew(self) -> bool:
+        """Whether targets took effect at this tick; a set-point that is led in is none."""
+        now, before = self.references, self.before
+        return now is not before and (now.revision != before.revision or not now.revision)
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Whom A follows at a tick.
+
+    Attributes:
+        source: whose chi.
+        why: the reason where it is not who was followed before, else ''.
+        sample: the chi of robot B or the MPC; None where A makes its own.
+    """
+
+    source: Source
+    why: str = ""
+    sample: SourceSample | None = None
+
+    @property
+    def revision(self) -> int | None:
+        """Of the references that the chi was solved with; None: not known."""
+        return None if self.sample is None else self.sample.revision
+
+
+class Sources:
+    """Robot B as it is heard, and what stands in for it."""
+
+    def __init__(self, local: LocalSource, scenario: ScenarioConfig) -> None:
+        """Know the stand-in, and from the scenario when B counts as lost."""
+        self._local = local
+        self._lost = Source(scenario.transition.on_loss)
+        self._inbox = Inbox()
+        # In lockstep the wait has happened, on the wall's clock, before a tick is served.
+        lockstep, timeouts = scenario.mode == "lockstep", scenario.timeouts
+        self._lockstep = lockstep
+        self._patience = 0 if lockstep else round(timeouts.source_patience * scenario.rate)
+        self.stale = 0 if lockstep else round(timeouts.source_stale * scenario.rate)
+        """The most ticks by which B's chi may be late."""
+        self._witness = Witness(self.stale, 1 if lockstep else _EVIDENCE)
+
+    def hear(self, sample: SourceSample) -> None:
+        """Take a chi of robot B; the newest by its tick counts, whenever it arrives."""
+        self._inbox.put(sample)
+
+    def keep(self, transition_ids: Collection[int]) -> None:
+        """Forget all other transitions."""
+        self._inbox.keep(transition_ids)
+        self._witness.keep(transition_ids)
+
+    def fresh(
+        self, transition_id: int, tick: int, revision: int | None = None
+    ) -> SourceSample | None:
+        """Return B's chi for a transition if it is new enough for this tick, else None.
+
+        Args:
+            transition_id: of the request that it answers.
+            tick: the present one.
+            revision: of the references in effect at this tick; None: not known. In lockstep a chi
+                with another one is not of this tick; in realtime it is as old as its tick says.
+        """
+        heard = self._inbox.newest(transition_id, tick)
+        if heard is None or not heard.solved or tick - heard.tick > self.stale:
+            return None
+        if self._lockstep and None not in (revision, heard.revision):
+            return heard if heard.revision == revision else None
+        return heard
+
+    def answered_since(self, transition_id: int, tick: int, revision: int | None = None) -> bool:
+        """Return whether B has solved for a transition at a later tick than this one.
+
+        With other references than the ``revision`` in effect it has not: whoever answers with wrong
+        ones would be waited for at every tick.
+        """
+        return self._inbox.solved_since(transition_id, tick, revision)
+
+    def first(
+        self,
+        transition_id: int,
+        asked_at: int,
+        tick: int,
+        revision: int | None = None,
+        asked: Source = Source.ROBOT_B,
+    ) -> Choice | None:
+        """Return whom to follow into a new stack, or None while the wait goes on.
+
+        Args:
+            transition_id: of the request.
+            asked_at: the tick for which it was asked.
+            tick: the present one.
+            revision: of the references in effect; None: not known.
+            asked: who is to solve the stack.
+        """
+        sample = self.fresh(transition_id, tick, revision)
+        if sample is not None:
+            return Choice(asked, "", sample)
+        if tick - asked_at >= self._patience:
+            instead = _instead(self._lost, asked)
+            return Choice(self._lost, f"{asked.called} sent no chi by tick {tick}: {instead}")
+        return None
+
+    def checked(self, first: Choice, moment: Moment, level: Rows) -> Choice:
+        """Return the first choice, or A's own where the chi is not what it claims to be.
+
+        ``level`` is level 1 of the new stack at this tick; empty: there is nothing to compare with.
+        """
+        if first.sample is None:
+            return first
+        revision = moment.references.revision
+        miss = self._witness.miss(first.sample, moment.tick, level, revision=revision)
+        return Choice(self._lost, _wrong(moment.tick, miss, self._lost)) if miss else first
+
+    def present(
+        self,
+        source: Source,
+        transition_id: int,
+        moment: Moment,
+        level: Rows,
+        asked: Source = Source.ROBOT_B,
+    ) -> Choice:
+        """Return whom to follow now.
+
+        ``level`` is level 1 of the new stack at this tick, ``asked`` who is to solve it.
+        """
+        tick, changed = moment.tick, source is not asked
+        revision = moment.references.revision
+        sample = self.fresh(transition_id, tick, revision)
+        if sample is not None:
+            miss = self._witness.miss(sample, tick, level, anew=moment.anew, revision=revision)
+            if not miss:
+                back = f"{asked.called} is back at tick {tick}" if changed else ""
+                return Choice(asked, back, sample)
+            lost = Choice(self._lost, _wrong(tick, miss, self._lost))
+            return Choice(source) if changed else lost
+        if changed:
+            return Choice(source)
+        heard = self._inbox.newest(transition_id, tick)
+        last = "nothing" if heard is None else f"tick {heard.tick}"
+        if heard is not None and revision and heard.revision not in (None, revision):
+            last += f" with references {heard.revision} in place of {revision}"
+        instead = _instead(self._lost, asked)
+        lost_at = f"{asked.called} lost at tick {tick}, last heard {last}: {instead}"
+        return Choice(self._lost, lost_at)
+
+    def chi(self, choice: Choice, stack: Stack, moment: Moment, means: Means) -> Vector:
+        """Return the chi of who is followed at this tick, shape (n,)."""
+        if choice.sample is not None:
+            return choice.sample.chi
+        if choice.source is Source.LOCAL:
+            return self.own(stack, moment, means)
+        return np.zeros_like(moment.kinematics.state.command)
+
+    def own(self, stack: Stack, moment: Moment, means: Means) -> Vector:
+        """Return A's own optimum of a stack, shape (n,).
+
+        Where it cannot be solved the robots hold what they do, and ``means`` tells of it.
+        """
+        solution = self._local.solve(stack, moment.kinematics, moment.references)
+        reason = "" if solution.solved else solution.reason
+        return means.held(f"stack {stack.name!r}: {reason}") if reason else solution.chi
+
+    def at_rest(self, stack: Stack) -> Stack:
+        """Return the stack that A adopts when it has come to minimum velocity."""
+        return self._local.at_rest(stack)
+
+
+def _wrong(tick: int, miss: float, instead: Source) -> str:
+    """Return what is said of a chi that is not what it claims to be."""
+    return f"robot B's chi at tick {tick} misses level 1 by {miss:.2g}: {_instead(instead)}"
+
+
+def _instead(source: Source, asked: Source = Source.ROBOT_B) -> str:
+    """Return what A follows in place of the source that was asked, in words."""
+    if asked is Source.HTMPC:
+        return "the robots come to rest"
+    if source is Source.LOCAL:
+        return "robot A solves the new stack itself"
+    return "robot A goes to minimum velocity"

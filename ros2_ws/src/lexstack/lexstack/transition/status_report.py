@@ -1,0 +1,88 @@
+"""What A tells of the robots of one channel, in the words of the message."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from lexstack.hqp import NEAR, NearSingular
+from lexstack.transition.channel_problem import Plan
+from lexstack.transition.channels.channel import Channel
+from lexstack.transition.messages import Phase, Source, TransitionState
+from lexstack.transition.requests import SwitchRequest
+from lexstack.types import Vector
+
+
+def with_singularity(state: TransitionState, near: tuple[NearSingular, ...]) -> TransitionState:
+    """Return the state of a channel that serves its stack, with its levels near a singularity.
+
+    In the reason, where there is no other one. Without the singular values, which change from tick
+    to tick: a reason that stays the same is told once.
+    """
+    if not near or state.phase is not Phase.IDLE or state.reason:
+        return state
+    mine = tuple([f"{name}/" for name in state.robots])
+    tasks = [
+        f"level {entry.level}: {entry.tasks}"
+        for entry in near
+        if any(task.startswith(mine) for task in entry.tasks.split(" + "))
+    ]
+    return replace(state, reason=f"{NEAR}: {', '.join(tasks)}") if tasks else state
+
+
+def told(
+    channel: Channel,
+    plan: Plan,
+    chi: Vector,
+    coming: tuple[SwitchRequest, Phase] | None,
+    *,
+    adopts: bool,
+) -> TransitionState:
+    """Return the state of a channel at a tick.
+
+    Args:
+        channel: before it adopts.
+        plan: of this tick.
+        chi: that was solved, shape (n,).
+        coming: a request that will take its robots, and whether it is requested or preparing.
+        adopts: whether A takes a stack over at the end.
+    """
+    blend, names = channel.blend, channel.part.names
+    if blend is None:
+        id_, stack, phase, part = channel.id, channel.target.name, Phase.IDLE, plan.alpha
+        if channel.aborted:
+            phase = Phase.ABORTED
+        elif coming is not None:
+            request, phase = coming
+            id_, stack, part = request.id, request.stack, 0.0
+        return TransitionState(
+            id_,
+            channel.origin,
+            stack,
+            Source.NONE,
+            "",
+            phase,
+            part,
+            0.0,
+            0.0,
+            channel.aborted or channel.reason,
+            names,
+        )
+    mine = channel.part.columns
+    gap = 0.0 if plan.source is None else float(np.abs(chi[mine] - plan.source[mine]).max())
+    at_end = plan.alpha >= 1.0 and adopts and not blend.way.target.planned
+    phase = Phase.ADOPTING if at_end else Phase.BLENDING
+    return TransitionState(
+        channel.id,
+        channel.origin,
+        blend.way.target.name,
+        blend.source,
+        blend.request.method,
+        Phase.ABORTED if channel.aborted else phase,
+        plan.alpha,
+        blend.duration,
+        gap,
+        channel.aborted or channel.reason,
+        names,
+    )

@@ -1,0 +1,31 @@
+"""Package description for colcon and pip."""
+
+from setuptools import find_packages, setup
+
+PACKAGE = "lexstack"
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    description="Control core of lexstack: models, tasks, bounds, hierarchical QP, transitions.",
+    license="Apache-2.0",
+    maintainer="The lexstack authors",
+    maintainer_email="lexstack@users.noreply.github.com",
+    python_requires=">=3.11",
+    packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
+    package_data={PACKAGE: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (f"share/{PACKAGE}", ["package.xml"]),
+    ],
+    install_requires=[
+        "daqp>=0.11",
+        "numpy>=2",
+        "pin>=4.1",
+        "proxsuite>=0.8",
+        "quadprog>=0.1.13",
+        "PyYAML>=6",
+        "scipy>=1.13",
+    ],
+    zip_safe=False,
+)

@@ -1,0 +1,231 @@
+"""A run as tables for pandas, PlotJuggler and spreadsheets: CSV with a header, or Parquet.
+
+A column is named after what it holds, its robot and joint, and its unit in brackets, as in
+``q/robot_a/base_x [m]``. Numbers are written in full: reading them gives the same bits.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lexstack.robots import Team
+from lexstack.types import Matrix
+from lexstack_bag.errors import BagError
+from lexstack_bag.figures.series import Measures
+from lexstack_bag.run.partial_chi import joined
+from lexstack_bag.run.run import ProgressStream, Run
+from lexstack_bag.storage.container import Progress
+
+_ROWS = 10_000  # written at a time
+_TIME = "time [s]"
+_AXES = ("x [m]", "y [m]", "z [m]")
+_BASE = ("x [m]", "y [m]", "yaw [rad]")
+
+Columns = Mapping[str, NDArray[Any]]
+"""Columns of equal length by their names."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Kind:
+    """What a vector over the joints is: the units of its entries."""
+
+    linear: str
+    angular: str
+
+
+_POSITION, _VELOCITY = _Kind("m", "rad"), _Kind("m/s", "rad/s")
+
+
+def tables(run: Run, measures: Measures) -> dict[str, Columns]:
+    """Return the tables of a run by name: plant, errors, each chi and plan, transition, targets."""
+    team = run.team()
+    found: dict[str, Columns] = {"plant": _plant(run, team), "errors": _errors(run, measures)}
+    for node, chi in run.chi.items():
+        if len(chi.tick):
+            found[f"{node}_chi"] = _chi(run, node, team)
+    for robot, planning in run.planning.items():
+        found[f"{robot}_plans"] = _plans(planning.progress)
+    found["transition"] = _transition(run)
+    found["targets"] = _targets(run)
+    return found
+
+
+def write_csv(folder: Path, run: Run, measures: Measures, progress: Progress) -> list[Path]:
+    """Write every table as ``NAME.csv`` and return the files; raises BagError."""
+    return _write(folder, ".csv", _csv, tables(run, measures), progress)
+
+
+def write_parquet(folder: Path, run: Run, measures: Measures, progress: Progress) -> list[Path]:
+    """Write every table as ``NAME.parquet`` and return the files; raises BagError."""
+    try:
+        import pyarrow.parquet  # noqa: F401, PLC0415  # large, and needed here alone
+    except ImportError as error:
+        raise BagError("--parquet: pyarrow is not installed: pip install pyarrow") from error
+    return _write(folder, ".parquet", _parquet, tables(run, measures), progress)
+
+
+def _write(
+    folder: Path,
+    suffix: str,
+    write: Callable[[Path, Columns], None],
+    content: Mapping[str, Columns],
+    progress: Progress,
+) -> list[Path]:
+    """Write tables to files of their names."""
+    paths = [folder / f"{name}{suffix}" for name in content]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for done, (path, columns) in enumerate(zip(paths, content.values(), strict=True)):
+            progress(done / len(paths))
+            write(path, columns)
+    except OSError as error:
+        raise BagError(f"{folder}: cannot be written: {error.strerror}") from error
+    progress(1.0)
+    return paths
+
+
+def _csv(path: Path, columns: Columns) -> None:
+    """Write one table as CSV."""
+    length = len(next(iter(columns.values())))
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(columns)
+        for first in range(0, length, _ROWS):
+            part = (column[first : first + _ROWS].tolist() for column in columns.values())
+            writer.writerows(zip(*part, strict=True))
+
+
+def _parquet(path: Path, columns: Columns) -> None:
+    """Write one table as Parquet."""
+    import pyarrow as pa  # noqa: PLC0415
+    from pyarrow import parquet  # noqa: PLC0415
+
+    parquet.write_table(pa.table(dict(columns)), path, compression="zstd")
+
+
+def _plant(run: Run, team: Team) -> Columns:
+    """Return ``/plant/state``."""
+    plant = run.plant
+    return {
+        "tick": plant.tick,
+        _TIME: plant.stamp,
+        **_joints("q", plant.q, team, _POSITION),
+        **_joints("v", plant.v, team, _VELOCITY),
+        **_joints("q_star", plant.q_star, team, _POSITION),
+        **_joints("command", plant.command, team, _VELOCITY),
+        "status": plant.status,
+        "late_ticks": plant.late_ticks,
+        "missing_ticks": plant.missing_ticks,
+    }
+
+
+def _errors(run: Run, measures: Measures) -> Columns:
+    """Return positions, targets and errors at every tick of the plant."""
+    columns: dict[str, NDArray[Any]] = {"tick": run.plant.tick, _TIME: measures.time}
+    for i, robot in enumerate(run.robots):
+        for name, values, axes in (
+            ("ee", measures.ee, _AXES),
+            ("ee_target", measures.ee_target, _AXES),
+            ("base", measures.base, _BASE),
+            ("base_target", measures.base_target, _BASE),
+        ):
+            columns |= {f"{name}/{robot}/{axis}": values[:, i, k] for k, axis in enumerate(axes)}
+        columns[f"ee_error/{robot} [mm]"] = measures.ee_error[:, i]
+        columns[f"base_error/{robot} [mm]"] = measures.base_error[:, i]
+        columns[f"yaw_error/{robot} [mrad]"] = measures.yaw_error[:, i]
+    return columns
+
+
+def _chi(run: Run, node: str, team: Team) -> Columns:
+    """Return a node's chi with its bounds."""
+    chi = joined(run, node)
+    return {
+        "tick": chi.tick,
+        _TIME: chi.stamp,
+        "stack": chi.stack,
+        "transition_id": chi.transition_id,
+        **_joints("chi", chi.chi, team, _VELOCITY),
+        **_joints("lower", chi.lower, team, _VELOCITY),
+        **_joints("upper", chi.upper, team, _VELOCITY),
+        **{f"slack/level_{k}": chi.slacks[:, k] for k in range(chi.slacks.shape[1])},
+        "status": chi.status,
+        "empty_bounds": chi.empty_bounds,
+        "solve_time [s]": chi.solve_time,
+        "reason": chi.reason,
+    }
+
+
+def _plans(progress: ProgressStream) -> Columns:
+    """Return ``/htmpc/status`` of one robot."""
+    return {
+        "tick": progress.tick,
+        _TIME: progress.stamp,
+        "architecture": progress.architecture,
+        "index": progress.index,
+        "count": progress.count,
+        "task": progress.task,
+        "error [m]": progress.error,
+        "error_angle [rad]": progress.error_angle,
+        **{
+            f"error/level_{k} [m]": column for k, column in enumerate(np.asarray(progress.errors).T)
+        },
+        "solved": progress.solved,
+        "solve_time [s]": progress.solve_time,
+    }
+
+
+def _transition(run: Run) -> Columns:
+    """Return ``/robot_a/transition``."""
+    status = run.transition
+    return {
+        "tick": status.tick,
+        _TIME: status.stamp,
+        "id": status.id,
+        "from_stack": status.from_stack,
+        "to_stack": status.to_stack,
+        "source": status.source,
+        "method": status.method,
+        "phase": status.phase,
+        "alpha": status.alpha,
+        "duration [s]": status.duration,
+        "gap [m/s, rad/s]": status.gap,
+        "reason": status.reason,
+    }
+
+
+def _targets(run: Run) -> Columns:
+    """Return the references that users sent."""
+    targets = run.targets
+    position = np.array([target.position for target in targets]).reshape(-1, 3)
+    turn = np.array([target.quaternion for target in targets]).reshape(-1, 4)
+    return {
+        _TIME: np.array([target.time for target in targets], dtype=np.float64),
+        "robot": np.array([target.robot for target in targets], dtype=object),
+        "kind": np.array([target.kind for target in targets], dtype=object),
+        **{f"position/{axis}": position[:, k] for k, axis in enumerate(_AXES)},
+        **{f"quaternion/{axis}": turn[:, k] for k, axis in enumerate("xyzw")},
+    }
+
+
+def _joints(name: str, values: Matrix, team: Team, kind: _Kind) -> dict[str, NDArray[Any]]:
+    """Return one column per joint."""
+    return {
+        f"{name}/{robot}/{joint} [{unit}]": values[:, column]
+        for column, (robot, joint, unit) in enumerate(_entries(team, kind))
+    }
+
+
+def _entries(team: Team, kind: _Kind) -> Sequence[tuple[str, str, str]]:
+    """Return robot, joint and unit of every entry of a vector over the joints."""
+    return [
+        (robot.name, joint, kind.linear if slides else kind.angular)
+        for robot in team.robots
+        for joint, slides in zip(robot.joints, robot.prismatic, strict=True)
+    ]

@@ -1,0 +1,1 @@
+"""Bags as files: MCAP containers, metadata, messages."""

@@ -1,0 +1,208 @@
+"""Plays a scenario: sends its targets and its switches, releases the plant, watches the ticks."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped
+from rclpy.duration import Duration
+from rclpy.executors import Executor
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from std_srvs.srv import SetBool
+
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.config.scenario import EventConfig
+from lexstack.errors import LexstackError
+from lexstack.references import pose_from_config
+from lexstack.robots import Pose
+from lexstack.spatial import from_rpy, to_quaternion
+from lexstack.types import Vector
+from lexstack_bringup.processes import RECORDER, nodes_of
+from lexstack_bringup.sequence_client import SequenceClient
+from lexstack_bringup.streams import Streams
+from lexstack_interfaces.msg import PlantState, TransitionStatus
+from lexstack_interfaces.srv import SwitchStack
+from lexstack_ros.messages.conversions import pose_message
+from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.node.readiness import is_connected
+
+PLAYER = "scenario_player"
+_LEAD = 1.0  # s, how long before its time an event is sent in realtime
+_ANSWER = 10.0  # s of wall time to wait for a service
+
+
+class ScenarioFailedError(LexstackError):
+    """The scenario could not be played; the text says at which step."""
+
+
+class Player(Node):
+    """The user of a run: all it does, anybody can do by topic and service."""
+
+    def __init__(self, resolved: ResolvedScenario, executor: Executor) -> None:
+        """Prepare to play; ``executor`` runs this node alone."""
+        super().__init__(PLAYER)
+        self._scenario = resolved.scenario
+        self._executor = executor
+        executor.add_node(self)
+        self.state: PlantState | None = None
+        self.transition: TransitionStatus | None = None
+        self.adopted: list[str] = []
+        self._targets: dict[str, Publisher] = {
+            f"/{name}/{kind}": self.create_publisher(PoseStamped, f"/{name}/{kind}", STREAM)
+            for name in resolved.scenario.robots
+            for kind in ("ee_target", "base_target")
+        }
+        self._streams = Streams(resolved, self._targets) if resolved.scenario.streams else None
+        self._switch = self.create_client(SwitchStack, "/robot_a/switch_stack")
+        self._pause = self.create_client(SetBool, "/sim_bridge/pause")
+        plans = resolved.scenario.plans
+        self._sequences = SequenceClient(self, resolved.scenario) if plans else None
+        self._peers = [node for node in nodes_of(resolved.scenario) if node != RECORDER]
+        self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
+        self.create_subscription(TransitionStatus, "/robot_a/transition", self._on_status, STREAM)
+
+    def play(self, watch: Callable[[], None], timeout: float) -> None:
+        """Play the whole scenario.
+
+        Args:
+            watch: called again and again; raises where the run cannot go on.
+            timeout: of wall time for the whole [s].
+
+        Raises:
+            ScenarioFailedError: a service did not answer, a switch was refused, or time ran out.
+        """
+        end = time.monotonic() + timeout
+        self._wait(watch, end, "all processes to connect", self._connected)
+        events = sorted(self._scenario.events, key=lambda event: event.at)
+        # In lockstep simulated time may run faster than a call takes: what is sent goes far ahead
+        # of it, and no farther than a stamp may be.
+        lead = min(self._scenario.duration, 0.5 * self._scenario.timeouts.target_horizon)
+        if self._scenario.mode == "realtime":
+            lead = min(lead, _LEAD)
+        events = self._send_due(events, lead)
+        self._release()
+        while not self._finished():
+            self._spin(watch, end, "the scenario's end")
+            events = self._send_due(events, self._now() + lead)
+
+    @property
+    def tick(self) -> int:
+        """The last tick heard."""
+        return 0 if self.state is None else int(self.state.tick)
+
+    # ---- events
+
+    def _send_due(self, events: list[EventConfig], until: float) -> list[EventConfig]:
+        """Send the events up to a time [s]; return the others."""
+        due = [event for event in events if event.at <= until]
+        for event in due:
+            self._send_targets(event)
+        if due and self._scenario.mode == "lockstep":
+            self._wait_taken()
+        for event in due:
+            if event.switch:
+                self._send_switch(event)
+            if self._sequences is not None:
+                self._sequences.send(event, self._call)
+        return events[len(due) :]
+
+    def _send_targets(self, event: EventConfig) -> None:
+        """Publish an event's targets, to take effect at its time."""
+        for name, config in event.ee_target.items():
+            pose = pose_from_config(config)
+            self._publish(f"/{name}/ee_target", pose, np.array(config.orientation), event.at)
+        for name, (x, y, yaw) in event.base_target.items():
+            pose = Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))
+            self._publish(f"/{name}/base_target", pose, to_quaternion(pose.rotation), event.at)
+
+    def _publish(self, topic: str, pose: Pose, quaternion: Vector, at: float) -> None:
+        """Publish one target."""
+        self._targets[topic].publish(pose_message(pose, at, quaternion))
+
+    def _wait_taken(self) -> None:
+        """Wait until every listener has every target: the run shall not depend on luck.
+
+        An acknowledgement may take as long as the middleware's heartbeat, 3 s.
+        """
+        for topic, publisher in self._targets.items():
+            if not publisher.wait_for_all_acked(Duration(seconds=_ANSWER)):
+                raise ScenarioFailedError(f"{topic}: not taken by all listeners in {_ANSWER:g} s")
+
+    def _send_switch(self, event: EventConfig) -> None:
+        """Ask robot A to switch its stack at the event's time."""
+        request = SwitchStack.Request(
+            stack=event.switch,
+            duration=event.duration,
+            robots=list(event.robots),
+            at_tick=round(event.at * self._scenario.rate),
+        )
+        answer = self._call(self._switch, request)
+        if not answer.accepted:
+            raise ScenarioFailedError(f"switch to {event.switch!r} refused: {answer.message}")
+        self.get_logger().info(answer.message)
+
+    def _release(self) -> None:
+        """Let simulated time run."""
+        answer = self._call(self._pause, SetBool.Request(data=False))
+        if not answer.success:
+            raise ScenarioFailedError(f"/sim_bridge/pause refused: {answer.message}")
+
+    def _call(self, client: Any, request: Any) -> Any:
+        """Return a service's answer; raises ScenarioFailedError when none comes in time."""
+        future = client.call_async(request)
+        end = time.monotonic() + _ANSWER
+        while not future.done():
+            self._executor.spin_once(timeout_sec=0.1)
+            if time.monotonic() > end:
+                raise ScenarioFailedError(f"{client.srv_name}: no answer in {_ANSWER:g} s")
+        return future.result()
+
+    # ---- waiting
+
+    def _wait(
+        self, watch: Callable[[], None], end: float, what: str, done: Callable[[], bool]
+    ) -> None:
+        """Wait until ``done``."""
+        while not done():
+            self._spin(watch, end, what)
+
+    def _spin(self, watch: Callable[[], None], end: float, what: str) -> None:
+        """Take what has come, watch, and look at the clock."""
+        self._executor.spin_once(timeout_sec=0.1)
+        watch()
+        if time.monotonic() > end:
+            raise ScenarioFailedError(f"time ran out while waiting for {what} (tick {self.tick})")
+
+    def _connected(self) -> bool:
+        """Return whether all listeners and servers are there."""
+        return (
+            self.state is not None
+            and is_connected(self, self._peers)
+            and self._switch.service_is_ready()
+            and self._pause.service_is_ready()
+            and (self._sequences is None or self._sequences.ready)
+        )
+
+    def _finished(self) -> bool:
+        """Return whether the plant stands still after the last tick."""
+        last = round(self._scenario.duration * self._scenario.rate)
+        state = self.state
+        return state is not None and state.tick >= last and state.status == PlantState.PAUSED
+
+    def _now(self) -> float:
+        """Return simulated time [s]."""
+        return self.tick / self._scenario.rate
+
+    def _on_state(self, message: PlantState) -> None:
+        self.state = message
+        if self._streams is not None and message.status != PlantState.PAUSED:
+            self._streams.publish(self._now())
+
+    def _on_status(self, message: TransitionStatus) -> None:
+        self.transition = message
+        if message.phase == TransitionStatus.ADOPTING:
+            self.adopted.append(message.to_stack)

@@ -1,0 +1,79 @@
+"""The processes of a run: which module each is, and with what parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.config.scenario import ScenarioConfig
+from lexstack.config.yaml_text import read_text
+from lexstack_bringup.supervisor import Supervisor
+from lexstack_ros.messages.names import SOLVER, base_of
+from lexstack_ros.node.readiness import READY
+
+# In the order in which they start and end: the recorder leaves last. Nobody speaks before all are
+# connected, so it misses nothing.
+RECORDER = "recorder"
+HTMPC = "htmpc"  # runs where a scenario has sequences for it
+NODES = {
+    "sim_bridge": "lexstack_plant.adapters.mujoco",
+    "hqp_controller": "lexstack_ros.controller.node",
+    "stack_solver": "lexstack_ros.solver.node",
+    RECORDER: "lexstack_ros.recorder.node",
+}
+PLANNERS = {HTMPC: "lexstack_ros.planner.node"}  # in runs with sequences
+MODULES = {**PLANNERS, **NODES}
+_READY_TIMEOUT = 60.0  # s of wall time, on a slow machine
+
+
+def nodes_of(scenario: ScenarioConfig) -> tuple[str, ...]:
+    """Return the names of the nodes that a scenario needs."""
+    more = [f"{SOLVER}_{number}" for number in range(2, scenario.solvers + 1)]
+    return (*NODES, *more, *PLANNERS) if scenario.plans else (*NODES, *more)
+
+
+def arguments_of(node: str, parameters: Mapping[str, str]) -> list[str]:
+    """Return the command line of a node; ``parameters`` as YAML."""
+    given, names = dict(parameters), []
+    if node != base_of(node):
+        names = ["-r", f"__node:={node}"]
+        given["number"] = node.removeprefix(f"{SOLVER}_")
+    pairs = [word for key, value in given.items() for word in ("-p", f"{key}:={value}")]
+    return ["--ros-args", *names, *pairs]
+
+
+def bring_up(
+    supervisor: Supervisor,
+    scenario: Path,
+    bag: Path,
+    peers: Sequence[str],
+    *,
+    nodes: Sequence[str] | None = None,
+    timeout: float = _READY_TIMEOUT,
+    recording: Mapping[str, str] | None = None,
+) -> None:
+    """Start nodes of a run and wait until each may be relied on.
+
+    Args:
+        supervisor: starts them.
+        scenario: file of the resolved scenario; mode and seed stand there.
+        bag: folder of the bag to be written.
+        peers: names of the other nodes of the run: users, and what other hosts start.
+        nodes: those to start here, as ``nodes_of`` names them, others are left out; None: all.
+        timeout: of wall time until all are connected with each other and with the peers [s].
+        recording: more parameters of the recorder, as YAML.
+
+    Raises:
+        ChildDiedError: one ended; NotReadyError: one was not ready in time.
+    """
+    if nodes is None:
+        nodes = nodes_of(ResolvedScenario.from_yaml(read_text(scenario), str(scenario)).scenario)
+    chosen = [name for module in MODULES for name in nodes if base_of(name) == module]
+    for name in chosen:
+        given = {"scenario": str(scenario)}
+        if name == RECORDER:
+            given |= {"output": str(bag), **(recording or {})}
+        given["peers"] = ",".join([*(other for other in chosen if other != name), *peers])
+        supervisor.start(name, MODULES[base_of(name)], arguments_of(name, given))
+    supervisor.wait_printed(chosen, READY, timeout)

@@ -1,0 +1,1 @@
+"""The ROS side of a plant: state out, command in, once a tick."""

@@ -1,0 +1,1 @@
+"""Plants: one module each."""

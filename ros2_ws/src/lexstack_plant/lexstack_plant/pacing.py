@@ -1,0 +1,69 @@
+"""When to stop waiting for a command: the only difference between lockstep and realtime. No ROS."""
+
+from __future__ import annotations
+
+from lexstack.config.scenario import Mode
+
+LATE = 0.5
+"""A tick counts as late when it begins so many periods after its wall-clock time."""
+
+GIVE_UP = 3.0
+"""So many periods behind, the schedule starts anew instead of running after the clock."""
+
+
+class Pacer:
+    """Deadlines of commands, on a monotonic clock [s] that the caller reads.
+
+    Lockstep: the command of a tick may take ``command_wall``. Once it did not come, the ticks go
+    on one period apart, until a command, for whichever tick, shows that the controller is back.
+
+    Realtime: tick k begins at t_0 + k dt, and its command may take until the next one begins. A
+    process that fell behind catches up, but leaves every command at least half a period.
+
+    Attributes:
+        lockstep: whether a tick ends as soon as its command is there.
+        deadline: until when to wait for the command of the present tick.
+        late_ticks: ticks that began late (realtime).
+        restarts: how often the schedule began anew (realtime).
+    """
+
+    def __init__(self, mode: Mode, period: float, command_wall: float) -> None:
+        """Make a pacer for ticks of ``period`` [s]; call ``start`` before the first tick."""
+        self.lockstep = mode == "lockstep"
+        self.deadline = 0.0
+        self.late_ticks = 0
+        self.restarts = 0
+        self._period = period
+        self._patience = command_wall
+        self._alive = True
+        self._begun = 0.0
+        self._scheduled = 0.0
+
+    def start(self, now: float) -> None:
+        """Let the next tick begin at ``now``: after a pause, or at the start."""
+        self._alive = True
+        self._scheduled = now - self._period
+
+    def begin(self, now: float) -> None:
+        """Set the deadline of the tick whose state goes out now."""
+        self._begun = now
+        if self.lockstep:
+            self.deadline = now + (self._patience if self._alive else self._period)
+            return
+        self._scheduled += self._period
+        behind = (now - self._scheduled) / self._period
+        self.late_ticks += behind > LATE
+        if behind > GIVE_UP:
+            self.restarts += 1
+            self._scheduled = now
+        self.deadline = max(self._scheduled + self._period, now + 0.5 * self._period)
+
+    def answered(self) -> None:
+        """Take note of a command, also of one that came too late for its tick."""
+        if self.lockstep and not self._alive:
+            self._alive = True
+            self.deadline = self._begun + self._patience
+
+    def missed(self) -> None:
+        """Take note that the deadline passed without a command."""
+        self._alive = False

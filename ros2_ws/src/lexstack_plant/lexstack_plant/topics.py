@@ -1,0 +1,152 @@
+"""What the bridge publishes: every message is made once and filled again."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Sequence
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped, TransformStamped
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from lexstack.robots import RobotModel, Team
+from lexstack.spatial import to_quaternion
+from lexstack.state import RobotState
+from lexstack.types import Vector
+from lexstack_interfaces.msg import PlantState
+from lexstack_ros.messages.conversions import WORLD, to_array, to_time
+from lexstack_ros.messages.qos import LATCHED, STREAM
+from lexstack_ros.node.sole_sender import sender_name
+from lexstack_sim.plant_state import Status
+from lexstack_sim.urdf import robot_urdf
+
+_CLOCK_RATE = 100.0  # Hz of simulated time, at most
+_TOOLS_RATE = 50.0  # Hz of simulated time
+
+
+class PlantTopics:
+    """/plant/state at every tick, /clock, and what tools show of each robot."""
+
+    def __init__(self, node: Node, team: Team, rate: float) -> None:
+        """Create the publishers for ticks at ``rate`` [Hz]; publish the robots' descriptions."""
+        self._state = PlantState(robots=list(team.names), sender=sender_name(node))
+        self._state.header.frame_id = WORLD
+        self._clock = Clock()
+        self._state_out = node.create_publisher(PlantState, "/plant/state", STREAM)
+        self._clock_out = node.create_publisher(Clock, "/clock", STREAM)
+        self._clock_every = max(1, round(rate / _CLOCK_RATE))
+        self._tools_every = max(1, round(rate / _TOOLS_RATE))
+        self._robots = [
+            (_RobotTopics(node, robot), part)
+            for robot, part in zip(team.robots, team.slices, strict=True)
+        ]
+
+        self._frames = tie_frames(node, team.names)
+
+    def publish(
+        self, state: RobotState, status: Status, late_ticks: int, missing: int, commander: str
+    ) -> None:
+        """Publish a state: this is what every other process waits for."""
+        message = self._state
+        message.commander = commander
+        message.header.stamp = to_time(state.stamp)
+        message.tick = state.tick
+        message.q, message.v = to_array(state.q), to_array(state.v)
+        message.q_star, message.command = to_array(state.q_star), to_array(state.command)
+        message.status = int(status)
+        message.late_ticks, message.missing_ticks = late_ticks, missing
+        self._state_out.publish(message)
+
+    def count_reset(self) -> None:
+        """Say in every state from now on that the plant was reset once more."""
+        self._state.resets += 1
+
+    def publish_for_tools(self, state: RobotState, effort: Vector) -> None:
+        """Publish the rest, at its own rates: after the state, while others compute."""
+        if state.tick % self._clock_every == 0:
+            self._clock.clock = to_time(state.stamp)
+            self._clock_out.publish(self._clock)
+        if state.tick % self._tools_every == 0:
+            for topics, part in self._robots:
+                topics.publish(state.stamp, state.q[part], state.v[part], effort[part])
+
+
+def tie_frames(node: Node, names: Sequence[str]) -> Publisher | None:
+    """Publish once, to /tf_static, that every robot's frame NAME/world is the frame world.
+
+    robot_state_publisher makes the rest from robot_description and joint_states, with the
+    frame_prefix ``NAME/``: its tree begins at NAME/world, REP-105. Only where tf2_msgs is
+    installed, as with a native ROS; the wheels have none, and then this returns None.
+    """
+    try:
+        kind = importlib.import_module("tf2_msgs.msg").TFMessage
+    except ImportError:
+        return None
+    out = node.create_publisher(kind, "/tf_static", LATCHED)
+    out.publish(kind(transforms=[tied(name) for name in names]))
+    return out
+
+
+def tied(name: str) -> TransformStamped:
+    """Return the identity from ``world`` to a robot's root frame."""
+    result = TransformStamped(child_frame_id=f"{name}/world")
+    result.header.frame_id = WORLD
+    result.transform.rotation.w = 1.0
+    return result
+
+
+class _RobotTopics:
+    """/NAME/joint_states, /NAME/ee_pose, /NAME/odom, and once /NAME/robot_description."""
+
+    def __init__(self, node: Node, robot: RobotModel) -> None:
+        """Create the publishers of one robot."""
+        self._robot = robot
+        name, fixed = robot.name, robot.config.arm.fixed
+        self._fixed = np.array(list(fixed.values()))
+        self._nothing = np.zeros(len(fixed))
+        self._joints = JointState(name=[*robot.joints, *fixed])
+        self._pose = PoseStamped()
+        self._odometry = Odometry(child_frame_id=f"{name}/base")
+        for message in (self._joints, self._pose, self._odometry):
+            message.header.frame_id = WORLD
+        self._joints_out = node.create_publisher(JointState, f"/{name}/joint_states", STREAM)
+        self._pose_out = node.create_publisher(PoseStamped, f"/{name}/ee_pose", STREAM)
+        self._odometry_out = node.create_publisher(Odometry, f"/{name}/odom", STREAM)
+        self._description_out = node.create_publisher(String, f"/{name}/robot_description", LATCHED)
+        self._description_out.publish(String(data=robot_urdf(robot)))
+
+    def publish(self, stamp: float, q: Vector, v: Vector, effort: Vector) -> None:
+        """Publish the robot's part of the state, all of shape (n_robot,)."""
+        time = to_time(stamp)
+        self._joints.header.stamp = self._pose.header.stamp = self._odometry.header.stamp = time
+        self._joints.position = to_array(np.concatenate([q, self._fixed]))
+        self._joints.velocity = to_array(np.concatenate([v, self._nothing]))
+        self._joints.effort = to_array(np.concatenate([effort, self._nothing]))
+        self._joints_out.publish(self._joints)
+        self._publish_pose(q)
+        self._publish_odometry(q, v)
+
+    def _publish_pose(self, q: Vector) -> None:
+        """Publish the pose of the tool in the world."""
+        tool, _ = self._robot.tool(q)
+        place, turn = self._pose.pose.position, self._pose.pose.orientation
+        place.x, place.y, place.z = tool.position.tolist()
+        turn.x, turn.y, turn.z, turn.w = to_quaternion(tool.rotation).tolist()
+        self._pose_out.publish(self._pose)
+
+    def _publish_odometry(self, q: Vector, v: Vector) -> None:
+        """Publish the base's pose in the world, and its velocity in its own frame."""
+        x, y, yaw = q[:3].tolist()
+        pose, twist = self._odometry.pose.pose, self._odometry.twist.twist
+        pose.position.x, pose.position.y = x, y
+        pose.orientation.z, pose.orientation.w = float(np.sin(yaw / 2)), float(np.cos(yaw / 2))
+        cosine, sine = float(np.cos(yaw)), float(np.sin(yaw))
+        vx, vy, rate = v[:3].tolist()
+        twist.linear.x, twist.linear.y = cosine * vx + sine * vy, cosine * vy - sine * vx
+        twist.angular.z = rate
+        self._odometry_out.publish(self._odometry)

@@ -1,0 +1,205 @@
+"""Robot A: one command per plant state; switches its stack when asked to."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory
+
+from lexstack.control.factory import Parts, build_controller
+from lexstack.errors import InputError
+from lexstack.state import RobotState
+from lexstack_interfaces.msg import Chi, TransitionStatus
+from lexstack_ros.controller.references import Decisions, TargetTopics
+from lexstack_ros.controller.switch_services import Requests
+from lexstack_ros.intake.drain import waiting
+from lexstack_ros.intake.plant_states import PlantStates
+from lexstack_ros.messages.conversions import WORLD, chi_of_command, to_sample, transition_status
+from lexstack_ros.messages.plans import PLAN, to_plan
+from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.node.absence import Journal
+from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, all_of
+from lexstack_ros.node.parameters import scenario_parameter, tell_scenario
+from lexstack_ros.node.peer_watch import Watch
+from lexstack_ros.node.sole_sender import AlreadyCommandedError, sender_name
+from lexstack_ros.node.spin import run_node
+
+_LATE_START = 1.0  # s of simulated time: whoever comes later has been there before, or should have
+_LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
+
+
+class HqpControllerNode(Node):
+    """Topics and services around the core's Controller; no mathematics here."""
+
+    def __init__(self) -> None:
+        """Build the controller of the scenario; raises LexstackError for a wrong parameter."""
+        super().__init__("hqp_controller")
+        self._resolved = scenario_parameter(self)
+        self._parts = Parts.of(self._resolved)
+        self._controller = build_controller(self._resolved, self._parts)
+        timeouts = self._resolved.scenario.timeouts
+        self._patience = timeouts.source_wall
+        self._journal = Journal(round(timeouts.watchdog * self._resolved.scenario.rate))
+        self._state: RobotState | None = None  # the one that still waits for its command
+        self._served = -1
+        self._deadline = 0.0
+        self._fallbacks = 0
+        self._damped = 0  # ticks near a singularity
+        self._near = ""  # the last of them since the last report
+        self._meter = Meter()
+        self._late = 0  # ticks that waited in vain for robot B
+        self.failure: AlreadyCommandedError | None = None  # ends the process
+        self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
+        self._chi.header.frame_id = WORLD
+        self._status = TransitionStatus()
+        self._status.header.frame_id = WORLD
+        self._chi_out = self.create_publisher(Chi, "/robot_a/chi", STREAM)
+        self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
+        self._targets = TargetTopics(self, self._parts.team, self._controller.references)
+        self._decisions = Decisions(
+            self, self._parts.team, self._controller.references, self._chi.sender
+        )
+        self._late_start = round(_LATE_START * self._resolved.scenario.rate)
+        self._source = self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
+        self.create_subscription(JointTrajectory, PLAN, self._on_plan, STREAM)
+        self._scenario_out = tell_scenario(self, self._resolved)
+        self._requests = Requests(
+            self, self._controller.transition, self._resolved.scenario, self._parts.team
+        )
+        wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(_LOOK, self._on_look, clock=wall)
+        self._watch = Watch(self)
+        Diagnostics(self, self._health)
+        self._states = PlantStates(
+            self,
+            self._parts.team,
+            self._on_state,
+            self._restart,
+            self._on_commander,
+            newest=int(self._resolved.scenario.mode == "realtime"),
+        )
+
+    # ---- the tick
+
+    def _on_state(self, state: RobotState) -> None:
+        """Serve a new state, or keep it until the source's chi is there."""
+        away = self._journal.arrive(state.tick)
+        if away:
+            self._controller.transition.note(away)
+        if not self._decisions.known(state, self._late_start):
+            return
+        # A tick's references are decided when its state comes, if not before: what comes while A
+        # waits for the source would reach the two at different ticks.
+        self._controller.prepare(state)
+        if self._decisions.missing:
+            self._controller.transition.note(self._decisions.missing)
+            self._decisions.missing = ""
+        self._decisions.tell()
+        self._state = state
+        self._deadline = time.monotonic() + self._patience
+        self._serve(wait=True)
+
+    def _on_commander(self, name: str, follows: bool) -> bool:
+        """Return whether the plant takes this process's commands; end if it has another's."""
+        if name != self._chi.sender and follows:
+            self.failure = AlreadyCommandedError(f"the robots are commanded already, by {name}")
+        return name == self._chi.sender
+
+    def _on_source(self, message: Chi) -> None:
+        """Take robot B's chi, and what waits behind it, one by one: the first may be due."""
+        for chi in (message, *(other for other, _ in waiting(self._source))):
+            try:
+                self._controller.transition.hear(to_sample(chi, self._parts.team, "/robot_b/chi"))
+            except InputError as error:
+                self._states.refuse(error)
+                continue
+            self._serve(wait=True)
+
+    def _on_plan(self, message: JointTrajectory) -> None:
+        """Take a plan of the HTMPC."""
+        try:
+            plan = to_plan(message, self._parts.team, self._resolved.scenario.rate)
+        except InputError as error:
+            self._states.refuse(error)
+            return
+        self._controller.transition.hear_plan(plan)
+        self._serve(wait=True)
+
+    def _on_look(self) -> None:
+        """Serve a state whose source did not answer in time: it counts as lost."""
+        if self._state is not None and time.monotonic() >= self._deadline:
+            self._late += 1
+            self._serve(wait=False)
+
+    def _serve(self, *, wait: bool) -> None:
+        """Send the command for the state at hand, unless it must wait for the source."""
+        state = self._state
+        if state is None or (wait and self._controller.awaits(state)):
+            return
+        self._state = None
+        command = self._controller.tick(state)
+        self._controller.references.decide(state.stamp + self._parts.dt)
+        self._decisions.tell()
+        # Before the command, which lets the plant go on: the source shall know at the next state.
+        self._requests.announce(state.stamp)
+        self._chi_out.publish(chi_of_command(command, self._chi))
+        for transition in command.transitions:
+            self._status_out.publish(transition_status(command, transition, self._status))
+        self._journal.see(command.transitions)
+        self._served = state.tick
+        self._meter.add(command.solve_time)
+        near = command.near_singularity
+        if near:
+            self._damped += any(level.rows for level in command.near)
+            self._near = near
+            self.get_logger().warning(near, throttle_duration_sec=10.0)
+        if command.fallback:
+            self._fallbacks += 1
+            self.get_logger().warning(command.fallback, throttle_duration_sec=1.0)
+
+    # ---- the rest
+
+    def _restart(self) -> None:
+        """Begin anew after a reset of the plant."""
+        self._controller = build_controller(self._resolved, self._parts)
+        self._targets.schedule = self._controller.references
+        self._decisions.restart(self._controller.references)
+        self._requests.restart(self._controller.transition)
+        self._journal.begin_anew()
+
+    def _complaints(self) -> tuple[str, ...]:
+        """Return what the node's parts complain of."""
+        return self._journal.report(), self._watch.report(), self._targets.report()
+
+    def _health(self) -> Health:
+        """Return how the node is."""
+        refused = self._states.refused + self._targets.refused
+        complaint, ages = self._states.report()
+        failed = f"{self._fallbacks} ticks failed" if self._fallbacks else ""
+        near, self._near = self._near, ""
+        return Health(
+            all_of(*self._complaints(), complaint, failed, near),
+            {
+                **self._meter.report(),
+                **ages,
+                "tick": str(self._served),
+                "ticks without robot B in time": str(self._late),
+                "fallbacks": str(self._fallbacks),
+                "ticks damped near a singularity": str(self._damped),
+                "levels held back by bounds": self._controller.obstructed(),
+                "skipped states": str(self._states.skipped),
+                "refused messages": str(refused),
+            },
+        )
+
+
+def main() -> int:
+    """Run robot A's controller; returns the exit code."""
+    return run_node(HqpControllerNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

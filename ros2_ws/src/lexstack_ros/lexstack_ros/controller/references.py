@@ -1,0 +1,216 @@
+"""References by topic: robot A takes targets and decides; others hear its decisions."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+
+from lexstack.errors import InputError
+from lexstack.references import ReferenceSchedule, ReferenceTimeline, SetPoint, Setting
+from lexstack.robots import Pose, Team
+from lexstack.spatial import from_rpy, to_quaternion
+from lexstack.state import RobotState
+from lexstack.types import Vector
+from lexstack_interfaces.msg import References
+from lexstack_ros.controller.transition_parameters import LeadInParameter
+from lexstack_ros.messages.conversions import pose_message, to_base_target, to_ee_target
+from lexstack_ros.messages.qos import LATCHED, LATEST, STREAM
+from lexstack_ros.messages.references import references_message, to_setting
+
+DECISIONS = "/robot_a/references"
+KEPT = "/robot_b/references"
+"""What robot B has heard of them, for a robot A that starts again."""
+
+_KINDS = {"ee_target": to_ee_target, "base_target": to_base_target}
+_PATIENCE = 3.0  # s of wall time, for what robot B keeps: discovery takes most of it
+_SENDERS = 8  # whose decisions are kept
+
+
+class TargetTopics:
+    """Subscriptions to /NAME/ee_target and /NAME/base_target of every robot.
+
+    Attributes:
+        schedule: takes every valid target.
+        refused: how many were not valid.
+    """
+
+    def __init__(self, node: Node, team: Team, schedule: ReferenceSchedule) -> None:
+        """Put every valid target into ``schedule``; warn of the others."""
+        self._node = node
+        self.schedule = schedule
+        self.refused = 0
+        self._refusal = ""  # the last one since the last report
+        for robot, name in enumerate(team.names):
+            for kind in _KINDS:
+                topic = f"/{name}/{kind}"
+                node.create_subscription(
+                    PoseStamped, topic, partial(self._take, kind, robot, topic), STREAM
+                )
+
+    def _take(self, kind: str, robot: int, topic: str, message: PoseStamped) -> None:
+        """Take one target; a stamp of the past means now."""
+        try:
+            self.schedule.add(_KINDS[kind](message, robot, topic))
+        except InputError as error:
+            self.refused += 1
+            text = str(error).removeprefix(f"{kind}: ")
+            line = text if text.startswith(topic) else f"{topic}: {text}"
+            self._refusal = f"refused: {line}"
+            self._node.get_logger().warning(self._refusal, throttle_duration_sec=1.0)
+
+    def report(self) -> str:
+        """Return the last refusal since the last report, or ''."""
+        refusal, self._refusal = self._refusal, ""
+        return refusal
+
+
+class HeardReferences:
+    """The decisions that a topic carries, of each sender by itself.
+
+    Attributes:
+        refused: messages that did not fit.
+        believed: whose decisions count; empty: the newest sender's.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        team: Team,
+        topic: str = DECISIONS,
+        on_news: Callable[[References], None] = lambda _message: None,
+    ) -> None:
+        """Listen; ``on_news`` is called after each new decision."""
+        self.refused = 0
+        self.believed = ""
+        self._timelines: dict[str, ReferenceTimeline] = {}
+        self._node = node
+        self._team = team
+        self._topic = topic
+        self._on_news = on_news
+        self._newest = ""
+        self._nothing = ReferenceTimeline()
+        node.create_subscription(References, topic, self._hear, LATCHED)
+
+    def _hear(self, message: References) -> None:
+        """Take a decision; another sender begins anew."""
+        try:
+            setting = to_setting(message, self._team, self._topic)
+        except InputError as error:
+            self.refused += 1
+            self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
+            return
+        timeline = self._timelines.setdefault(message.sender, ReferenceTimeline())
+        self._newest = message.sender
+        while len(self._timelines) > _SENDERS:
+            del self._timelines[next(s for s in self._timelines if s not in self._counted())]
+        if timeline.hear(setting) and timeline is self.timeline:
+            self._on_news(message)
+
+    @property
+    def timeline(self) -> ReferenceTimeline:
+        """The decisions that count."""
+        name = self.believed if self.believed in self._timelines else self._newest
+        return self._timelines.get(name, self._nothing)
+
+    def _counted(self) -> tuple[str, str]:
+        """Return the senders whose decisions count, or may."""
+        return self.believed, self._newest
+
+
+class Decisions:
+    """Robot A's decisions on references: made one tick ahead, and told before the plant goes on.
+
+    Attributes:
+        schedule: decides.
+        missing: why a robot A that starts again could not go on with the last ones, or ''.
+    """
+
+    def __init__(self, node: Node, team: Team, schedule: ReferenceSchedule, sender: str) -> None:
+        """Create the publishers; ``sender`` names this process."""
+        self.schedule = schedule
+        self._node = node
+        self._team = team
+        self._sender = sender
+        self._parameter = LeadInParameter(node, schedule.lead_in, self._lead_in)
+        self._out = node.create_publisher(References, DECISIONS, LATEST)
+        self._goals = _Goals(node, team)
+        self._kept = HeardReferences(node, team, KEPT)
+        self._asked_since: float | None = None
+        self.missing = ""
+
+    def restart(self, schedule: ReferenceSchedule) -> None:
+        """Decide for another schedule from now on; revisions count on."""
+        schedule.count_on(self.schedule)
+        self.schedule = schedule
+        self._parameter.hand_on()
+
+    def known(self, state: RobotState, late: int) -> bool:
+        """Return whether the first references can be decided for a state.
+
+        A robot A that starts again, at a tick after ``late``, goes on with what robot B has kept;
+        it waits for it a moment.
+        """
+        if self.schedule.begun or state.tick <= late:
+            return True
+        last = self._kept.timeline.newest
+        if last is not None:
+            self.schedule.resume(last, state.stamp)
+            return True
+        now = time.monotonic()
+        self._asked_since = self._asked_since or now
+        if now - self._asked_since <= _PATIENCE:
+            return False
+        self.missing = "no references of before were heard: they begin at the measured poses"
+        return True
+
+    def _lead_in(self, seconds: float) -> None:
+        """Lead later targets in within another time [s]."""
+        self.schedule.lead_in = seconds
+
+    def tell(self) -> None:
+        """Publish what was decided since the last call."""
+        for setting in self.schedule.take_news():
+            self._out.publish(references_message(setting, self._team, self._sender))
+            self._goals.tell(setting)
+
+
+class _Goals:
+    """/NAME/ee_reference and /NAME/base_reference, latched: the goals in effect, for tools."""
+
+    def __init__(self, node: Node, team: Team) -> None:
+        """Create the publishers."""
+        self._told: Setting | None = None
+        self._ee: list[Publisher] = []
+        self._base: list[Publisher] = []
+        for name in team.names:
+            ee = node.create_publisher(PoseStamped, f"/{name}/ee_reference", LATEST)
+            base = node.create_publisher(PoseStamped, f"/{name}/base_reference", LATEST)
+            self._ee.append(ee)
+            self._base.append(base)
+
+    def tell(self, setting: Setting) -> None:
+        """Publish the goals that have changed."""
+        before, self._told = self._told, setting
+        for robot, (out, ee) in enumerate(zip(self._ee, setting.ee, strict=True)):
+            if before is None or ee is not before.ee[robot]:
+                self._publish(out, ee, setting.at)
+        for robot, (out, base) in enumerate(zip(self._base, setting.base, strict=True)):
+            if before is None or base is not before.base[robot]:
+                self._publish(out, SetPoint(_upright(base.goal)), setting.at)
+
+    @staticmethod
+    def _publish(out: Publisher, point: SetPoint[Pose], stamp: float) -> None:
+        """Publish one goal."""
+        out.publish(pose_message(point.goal, stamp, to_quaternion(point.goal.rotation)))
+
+
+def _upright(base: Vector) -> Pose:
+    """Return x, y, yaw as a pose on the floor."""
+    x, y, yaw = (float(value) for value in base)
+    return Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))

@@ -1,0 +1,1 @@
+"""Messages on their way in: in order, each tick once, and how late."""

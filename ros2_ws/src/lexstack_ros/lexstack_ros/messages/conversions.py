@@ -1,0 +1,248 @@
+"""The only seam between messages and the core: every field is checked on its way in.
+
+A message that does not fit raises InputError, whose text names the topic's field and what is
+wrong with it; nothing of it reaches the core.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped
+
+from lexstack.config.checks import shown
+from lexstack.control.controller import Command
+from lexstack.errors import InputError
+from lexstack.references import Target
+from lexstack.robots import Pose, Team
+from lexstack.spatial import from_quaternion
+from lexstack.state import RobotState
+from lexstack.transition.messages import Announcement, SourceSample, TransitionState
+from lexstack.types import Vector
+from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
+
+WORLD = "world"
+_HUGE = 1e6  # m, rad, m/s, rad/s: no robot gets there
+_FARTHEST = 1000.0  # m, a target farther away is a mistake
+_UNIT = 1e-2  # how far a quaternion's norm may be from 1
+_UPRIGHT = 1e-3  # rad, how far a base target may be tilted
+
+
+# ---- time
+
+
+def to_time(seconds: float) -> Time:
+    """Return simulated time [s] as a message."""
+    nanoseconds = round(seconds * 1e9)
+    return Time(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
+
+
+def to_seconds(stamp: Time) -> float:
+    """Return a stamp in seconds."""
+    return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
+
+
+# ---- vectors
+
+
+def to_array(vector: Vector) -> array[float]:
+    """Return a vector as the type that float64[] fields take without a copy per element."""
+    return array("d", vector.tobytes())
+
+
+def to_vector(values: Any, n: int, field: str) -> Vector:
+    """Return a float64[] field as a new read-only vector (n,), finite; raises InputError."""
+    vector = np.array(values, dtype=np.float64)
+    if vector.shape != (n,):
+        raise InputError(f"{field}: expected {n} values, got {vector.size}")
+    if not np.isfinite(vector).all():
+        where = int(np.flatnonzero(~np.isfinite(vector))[0])
+        raise InputError(f"{field}[{where}]: must be finite, got {vector[where]}")
+    largest = float(np.abs(vector).max(initial=0.0))
+    if largest > _HUGE:
+        raise InputError(f"{field}: out of range: {largest:g}, at most {_HUGE:g}")
+    vector.setflags(write=False)
+    return vector
+
+
+def check_robots(robots: list[str], team: Team, where: str) -> None:
+    """Raise InputError unless a message is about this team, in its order."""
+    if tuple(robots) != team.names:
+        raise InputError(
+            f"{where}: robots: expected {', '.join(team.names)}, got {shown(list(robots))}"
+        )
+
+
+# ---- state, chi, transition
+
+
+def to_state(message: PlantState, team: Team) -> RobotState:
+    """Return the plant's state; raises InputError."""
+    where = "/plant/state"
+    check_robots(message.robots, team, where)
+    return RobotState(
+        message.tick,
+        to_seconds(message.header.stamp),
+        to_vector(message.q, team.n, f"{where}: q"),
+        to_vector(message.v, team.n, f"{where}: v"),
+        to_vector(message.q_star, team.n, f"{where}: q_star"),
+        to_vector(message.command, team.n, f"{where}: command"),
+    )
+
+
+def to_sample(message: Chi, team: Team, where: str) -> SourceSample:
+    """Return a source's chi, of all robots or of some; raises InputError. ``where``: its topic."""
+    robots = _some_robots(message.robots, team, where)
+    slacks = to_vector(message.slacks, len(message.slacks), f"{where}: slacks")
+    chi = to_vector(message.chi, team.columns(robots).size, f"{where}: chi")
+    return SourceSample(
+        message.transition_id,
+        message.tick,
+        chi if len(robots) == len(team.robots) else _among_all(chi, robots, team),
+        message.status == Chi.SOLVED,
+        float(slacks[0]) if slacks.size else None,
+        None if len(robots) == len(team.robots) else robots,
+        message.stack,
+        message.references or None,
+    )
+
+
+def _some_robots(names: Sequence[str], team: Team, where: str) -> tuple[int, ...]:
+    """Return the places of robots that are named in the team's order; raises InputError."""
+    robots = tuple(i for i, name in enumerate(team.names) if name in names)
+    if not robots or tuple(team.names[i] for i in robots) != tuple(names):
+        raise InputError(
+            f"{where}: robots: expected some of {', '.join(team.names)}, got {shown(list(names))}"
+        )
+    return robots
+
+
+def _among_all(chi: Vector, robots: Sequence[int], team: Team) -> Vector:
+    """Return the chi of some robots with zeros for the others, shape (n,)."""
+    whole = np.zeros(team.n)
+    whole[team.columns(robots)] = chi
+    whole.setflags(write=False)
+    return whole
+
+
+def chi_of_command(command: Command, message: Chi) -> Chi:
+    """Return A's command, written into ``message``, which is used again every tick."""
+    message.header.stamp = to_time(command.stamp)
+    message.tick = command.tick
+    message.stack = command.stack
+    message.transition_id = max(state.id for state in command.transitions)
+    message.references = command.revision
+    message.chi = to_array(command.chi)
+    message.lower = to_array(command.bounds.lower)
+    message.upper = to_array(command.bounds.upper)
+    message.slacks = to_array(command.slacks)
+    message.status = Chi.FALLBACK if command.fallback else Chi.SOLVED
+    message.empty_bounds = command.bounds.empty
+    message.solve_time = command.solve_time
+    message.reason = command.fallback or command.near_singularity
+    return message
+
+
+def transition_status(
+    command: Command, state: TransitionState, message: TransitionStatus
+) -> TransitionStatus:
+    """Return where one of a command's transitions stands, written into ``message``."""
+    message.header.stamp = to_time(command.stamp)
+    message.tick = command.tick
+    message.id = state.id
+    message.from_stack = state.from_stack
+    message.to_stack = state.to_stack
+    message.source = state.source.value
+    message.method = state.method
+    message.phase = state.phase.value
+    message.alpha = state.alpha
+    message.duration = state.duration
+    message.gap = state.gap
+    message.reason = state.reason
+    message.robots = list(state.robots)
+    return message
+
+
+# ---- requests to a source
+
+
+def stack_request(announcement: Announcement, stamp: float, team: Team) -> StackRequest:
+    """Return an announcement as a message."""
+    message = StackRequest()
+    message.header.stamp = to_time(stamp)
+    message.header.frame_id = WORLD
+    message.id = announcement.id
+    message.stack = announcement.stack
+    message.start_tick = announcement.start_tick
+    message.active = announcement.active
+    message.robots = [team.names[robot] for robot in announcement.robots]
+    return message
+
+
+def to_announcement(message: StackRequest, stacks: Any, team: Team) -> Announcement:
+    """Return a request to a source; raises InputError for a stack or robot that is not known."""
+    where = "/robot_a/stack_request"
+    if message.stack not in stacks:
+        known = ", ".join(sorted(stacks))
+        raise InputError(f"{where}: unknown stack {shown(message.stack)}; known: {known}")
+    for name in message.robots:
+        if name not in team.names:
+            known = ", ".join(team.names)
+            raise InputError(f"{where}: robots: unknown robot {shown(name)}; known: {known}")
+    robots = tuple(sorted(team.names.index(name) for name in message.robots))
+    return Announcement(message.id, message.stack, message.start_tick, message.active, robots)
+
+
+# ---- targets
+
+
+def to_ee_target(message: PoseStamped, robot: int, where: str) -> Target:
+    """Return an end-effector target of the robot at place ``robot``; raises InputError."""
+    pose = _to_pose(message, where)
+    return Target(to_seconds(message.header.stamp), robot, ee=pose)
+
+
+def to_base_target(message: PoseStamped, robot: int, where: str) -> Target:
+    """Return a base target (x, y, yaw); raises InputError where it is not upright."""
+    pose = _to_pose(message, where)
+    tilt = math.acos(min(max(float(pose.rotation[2, 2]), -1.0), 1.0))
+    if tilt > _UPRIGHT:
+        raise InputError(
+            f"{where}: orientation: a base stands upright, got a tilt of {tilt:.3f} rad"
+        )
+    yaw = math.atan2(pose.rotation[1, 0], pose.rotation[0, 0])
+    base = np.array([pose.position[0], pose.position[1], yaw])
+    return Target(to_seconds(message.header.stamp), robot, base=base)
+
+
+def pose_message(pose: Pose, stamp: float, quaternion: Vector) -> PoseStamped:
+    """Return a pose in the world frame as a message."""
+    message = PoseStamped()
+    message.header.stamp = to_time(stamp)
+    message.header.frame_id = WORLD
+    place, turn = message.pose.position, message.pose.orientation
+    place.x, place.y, place.z = (float(value) for value in pose.position)
+    turn.x, turn.y, turn.z, turn.w = (float(value) for value in quaternion)
+    return message
+
+
+def _to_pose(message: PoseStamped, where: str) -> Pose:
+    """Return a checked pose in the world frame."""
+    if message.header.frame_id not in ("", WORLD):
+        got = shown(message.header.frame_id)
+        raise InputError(f"{where}: frame_id: expected 'world', got {got}")
+    place, turn = message.pose.position, message.pose.orientation
+    position = to_vector([place.x, place.y, place.z], 3, f"{where}: position")
+    quaternion = to_vector([turn.x, turn.y, turn.z, turn.w], 4, f"{where}: orientation")
+    farthest = float(np.max(np.abs(position)))
+    if farthest > _FARTHEST:
+        raise InputError(f"{where}: position: {farthest:g} m away, at most {_FARTHEST:g} m")
+    norm = float(np.linalg.norm(quaternion))
+    if abs(norm - 1.0) > _UNIT:
+        raise InputError(f"{where}: orientation: norm must be 1, got {norm:.4f}")
+    return Pose(position, from_quaternion(quaternion))

@@ -1,0 +1,227 @@
+"""Plans and sequences of the HTMPC between messages and core, checked on their way in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from builtin_interfaces.msg import Duration
+from geometry_msgs.msg import Pose
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from lexstack import mpc as core
+from lexstack.config.checks import shown
+from lexstack.errors import InputError
+from lexstack.mpc import Plan, SequenceTask
+from lexstack.mpc.sequence.runner import Progress
+from lexstack.mpc.tracking_objectives import MEASURES
+from lexstack.robots import Team
+from lexstack.spatial import from_rpy, to_quaternion
+from lexstack.state import RobotState
+from lexstack.transition.sources.mpc_plans import HeardPlan
+from lexstack_interfaces.msg import Sequence, SequenceStatus
+from lexstack_interfaces.msg import SequenceTask as TaskMessage
+from lexstack_ros.messages.conversions import WORLD, to_array, to_seconds, to_time, to_vector
+
+PLAN = "/htmpc/plan"
+_MOST_POINTS = 1000  # of a plan or of a task
+_MOST_TASKS = 1000
+_LONGEST_NAME = 100  # characters
+_OFF_TICK = 1e-3  # of a tick, by which a plan's stamp may be off
+
+
+def joint_names(team: Team, robot: int) -> list[str]:
+    """Return the names of a robot's joints in a plan: prefixed by the robot."""
+    return list(team.joint_names[team.slices[robot]])
+
+
+def plan_message(plan: Plan, names: list[str]) -> JointTrajectory:
+    """Return a plan as a message: states 0 to N, with the input that begins at each."""
+    message = JointTrajectory(joint_names=names)
+    message.header.stamp = to_time(plan.stamp)
+    message.header.frame_id = WORLD
+    inputs = np.concatenate((plan.u, np.zeros((1, plan.u.shape[1]))))
+    for k in range(len(plan.q)):
+        nanoseconds = round(1e9 * k * plan.step)
+        message.points.append(
+            JointTrajectoryPoint(
+                positions=to_array(plan.q[k]),
+                velocities=to_array(plan.v[k]),
+                accelerations=to_array(inputs[k]),
+                time_from_start=Duration(sec=nanoseconds // 10**9, nanosec=nanoseconds % 10**9),
+            )
+        )
+    return message
+
+
+def to_plan(message: JointTrajectory, team: Team, rate: float) -> HeardPlan:
+    """Return a plan as robot A follows it, ``rate`` in ticks per second; raises InputError."""
+    robot = _robot_of(message.joint_names, team)
+    if not 2 <= len(message.points) <= _MOST_POINTS:
+        raise InputError(f"{PLAN}: points: expected 2 to {_MOST_POINTS}, got {len(message.points)}")
+    n = len(message.joint_names)
+    velocities = np.array(
+        [
+            to_vector(point.velocities, n, f"{PLAN}: points[{k}].velocities")
+            for k, point in enumerate(message.points)
+        ]
+    )
+    times = np.array([to_seconds(point.time_from_start) for point in message.points])
+    if times[0] < 0.0 or (np.diff(times) <= 0.0).any():
+        raise InputError(f"{PLAN}: points: time_from_start: must increase from 0 on")
+    tick = to_seconds(message.header.stamp) * rate
+    if tick < 0.0 or abs(tick - round(tick)) > _OFF_TICK:
+        raise InputError(f"{PLAN}: header.stamp: {tick / rate:g} s is not the stamp of a tick")
+    return HeardPlan(robot, round(tick), times, velocities)
+
+
+def _robot_of(names: Any, team: Team) -> int:
+    """Return whose joints these are, all and in order; raises InputError."""
+    for robot in range(len(team.robots)):
+        if list(names) == joint_names(team, robot):
+            return robot
+    known = ", ".join(f"{name}/..." for name in team.names)
+    raise InputError(
+        f"{PLAN}: joint_names: expected all joints of one robot ({known}), in their order, "
+        f"got {shown(list(names))}"
+    )
+
+
+def task_message(task: SequenceTask) -> TaskMessage:
+    """Return a task of a sequence as a message."""
+    return TaskMessage(
+        name=task.name,
+        kind=task.kind,
+        points=[_pose(task.kind, point) for point in task.points],
+        speed=task.speed or 0.0,
+        turn=task.turn or 0.0,
+        tolerance=task.tolerance,
+        tolerance_angle=task.tolerance_angle,
+        dwell=task.dwell,
+        held=task.held,
+    )
+
+
+def to_task(message: TaskMessage, where: str) -> SequenceTask:
+    """Return a message as a task; raises InputError."""
+    if not 0 < len(message.name) <= _LONGEST_NAME or not message.name.isprintable():
+        raise InputError(f"{where}: name: expected 1 to {_LONGEST_NAME} printable characters")
+    if message.kind not in MEASURES:
+        raise InputError(
+            f"{where}: kind: {shown(message.kind)} is not one of {', '.join(MEASURES)}"
+        )
+    numbers = ("speed", "turn", "tolerance", "tolerance_angle", "dwell")
+    values = to_vector([getattr(message, name) for name in numbers], 5, f"{where}: {numbers}")
+    speed, turn, tolerance, angle, dwell = (float(value) for value in values)
+    for name, value in zip(numbers, values, strict=True):
+        if value < 0.0:
+            raise InputError(f"{where}: {name}: must be >= 0, got {value:g}")
+    return SequenceTask(
+        message.name,
+        message.kind,
+        to_points(message.points, message.kind, where),
+        speed or None,
+        turn or None,
+        tolerance or SequenceTask.__dataclass_fields__["tolerance"].default,
+        angle or SequenceTask.__dataclass_fields__["tolerance_angle"].default,
+        dwell,
+        bool(message.held),
+    )
+
+
+def to_points(poses: Any, kind: str, where: str) -> tuple[tuple[float, ...], ...]:
+    """Return the coordinates that a kind of task has of some poses; raises InputError."""
+    if not 1 <= len(poses) <= _MOST_POINTS:
+        raise InputError(f"{where}: points: expected 1 to {_MOST_POINTS}, got {len(poses)}")
+    points = []
+    for i, pose in enumerate(poses):
+        place, turn = pose.position, pose.orientation
+        raw = [place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w]
+        x, y, z, *quaternion = to_vector(raw, 7, f"{where}: points[{i}]")
+        qx, qy, qz, qw = quaternion
+        yaw = float(np.arctan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz)))
+        columns = {
+            "ee_position": (x, y, z),
+            "ee_pose": (x, y, z, *quaternion),
+            "base_position": (x, y),
+            "base_pose": (x, y, yaw),
+        }[kind]
+        points.append(tuple(float(value) for value in columns))
+    return tuple(points)
+
+
+def to_tasks(messages: Any, where: str) -> tuple[SequenceTask, ...]:
+    """Return the tasks of a goal; raises InputError."""
+    if not 1 <= len(messages) <= _MOST_TASKS:
+        raise InputError(f"{where}: tasks: expected 1 to {_MOST_TASKS}, got {len(messages)}")
+    return tuple(to_task(message, f"{where}: tasks[{i}]") for i, message in enumerate(messages))
+
+
+def status_message(
+    progress: Progress, state: RobotState, robot: str, architecture: str
+) -> SequenceStatus:
+    """Return where a sequence stands as a message."""
+    sequence, plan = progress.sequence, progress.plan
+    message = SequenceStatus(
+        tick=state.tick,
+        robot=robot,
+        architecture=architecture,
+        index=sequence.first,
+        count=len(sequence.tasks),
+        task=sequence.window[0].name,
+        error=progress.errors[0],
+        error_angle=progress.errors[1],
+        window=[task.name for task in sequence.window],
+        errors=list(progress.tracking),
+        levels=[level.text for level in plan.levels],
+        solved=plan.solved,
+        solve_time=plan.solve_time,
+    )
+    message.header.stamp = to_time(state.stamp)
+    message.header.frame_id = WORLD
+    return message
+
+
+def sequence_message(
+    sequence: core.Sequence | None,
+    state: RobotState,
+    robot: tuple[str, str],
+    event: str,
+    changed: str = "",
+) -> Sequence:
+    """Return a sequence as it begins or changes.
+
+    Args:
+        sequence: as it is now; None: it is over.
+        state: at which that happened.
+        robot: its name, and its architecture.
+        event: what happened, see the message.
+        changed: name of the task that a change is about.
+    """
+    name, architecture = robot
+    message = Sequence(
+        tick=state.tick, robot=name, architecture=architecture, event=event, changed=changed
+    )
+    if sequence is not None:
+        message.tasks = [task_message(task) for task in sequence.tasks]
+        points = (point for task in sequence.tasks for point in task.points)
+        message.coordinates = [float(value) for point in points for value in point]
+        message.index = sequence.first
+        message.released = sorted(sequence.released)
+    message.header.stamp = to_time(state.stamp)
+    message.header.frame_id = WORLD
+    return message
+
+
+def _pose(kind: str, point: tuple[float, ...]) -> Pose:
+    """Return a point of a task as a pose."""
+    pose = Pose()
+    place, turn = pose.position, pose.orientation
+    place.x, place.y = point[0], point[1]
+    if kind.startswith("ee"):
+        place.z = point[2]
+    if kind == "ee_pose":
+        turn.x, turn.y, turn.z, turn.w = point[3:]
+    if kind == "base_pose":
+        turn.x, turn.y, turn.z, turn.w = map(float, to_quaternion(from_rpy((0.0, 0.0, point[2]))))
+    return pose

@@ -1,0 +1,1 @@
+"""What every node of ours does: starts, is ready, reports, ends."""

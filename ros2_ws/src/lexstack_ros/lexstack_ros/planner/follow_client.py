@@ -1,0 +1,113 @@
+"""The HTMPC as a user of robot A: asks it to follow plans, and to go back to its own stack."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.task import Future
+
+from lexstack.config.resolved import ResolvedScenario
+from lexstack.config.stack import plan_stack
+from lexstack.errors import InputError
+from lexstack.robots import Team
+from lexstack.tasks.stack import AT_REST
+from lexstack_interfaces.msg import TransitionStatus
+from lexstack_interfaces.srv import SwitchStack
+from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.planner.goals import Job
+
+_ANSWER = 5.0  # s of wall time to wait for robot A's answer
+_LOOK = 0.5  # s of wall time between two looks at that
+_AHEAD = 2  # plans between the answer and the tick at which robot A goes back
+
+OnAnswer = Callable[[Job, bool, str], None]
+"""Called with the job, whether it was asked to go back, and why it was refused, or ''."""
+
+
+class Following:
+    """Asks robot A by the service that all users have, and hears what became of it."""
+
+    def __init__(
+        self, node: Node, team: Team, resolved: ResolvedScenario, on_answer: OnAnswer
+    ) -> None:
+        """Listen to robot A; ``on_answer`` hears its answers."""
+        self._node = node
+        self._team = team
+        self._known = resolved.stacks
+        self._unfit = resolved.unfit
+        self._initial = resolved.scenario.initial_stack
+        self._blend = resolved.scenario.transition.duration
+        self._on_answer = on_answer
+        self._asked: dict[Future, tuple[Job, bool, float]] = {}
+        self._now: dict[str, str] = {}  # by robot: the stack that it is on or goes to
+        self._client = node.create_client(SwitchStack, "/robot_a/switch_stack")
+        node.create_subscription(TransitionStatus, "/robot_a/transition", self._on_status, STREAM)
+        wall = Clock(clock_type=ClockType.STEADY_TIME)
+        node.create_timer(_LOOK, self._on_look, clock=wall)
+
+    @property
+    def pending(self) -> bool:
+        """Whether an answer of robot A is awaited."""
+        return bool(self._asked)
+
+    def stack(self, robot: int) -> str:
+        """Return the stack that a robot is on, or goes to; '' before robot A was heard."""
+        return self._now.get(self._team.names[robot], "")
+
+    def check(self, robot: str) -> None:
+        """Raise InputError where a robot has no stack to follow a plan on."""
+        stack = plan_stack(robot)
+        if stack not in self._known:
+            why = self._unfit.get(stack, "there is no such stack")
+            raise InputError(f"robot: {robot} has no stack {stack!r} to follow a plan on: {why}")
+
+    def begin(self, job: Job) -> None:
+        """Ask robot A to follow the plan from the job's tick on, and note where to go back to."""
+        name = self._team.names[job.robot]
+        now = self.stack(job.robot).removesuffix(AT_REST)
+        if not job.origin:
+            own = now in self._known and now != plan_stack(name)
+            job.origin = now if own else self._initial
+        self._ask(job, plan_stack(name), job.at_tick, back=False)
+
+    def go_back(self, job: Job, tick: int, every: int) -> None:
+        """Ask robot A to go back to its own stack, a few plans after ``tick``."""
+        self._ask(job, job.origin, tick + _AHEAD * every, back=True)
+
+    def _ask(self, job: Job, stack: str, at_tick: int, *, back: bool) -> None:
+        """Send a request for the job's robot."""
+        # The duration is given: plans know until when robot A is still on its way to them.
+        request = SwitchStack.Request(
+            stack=stack,
+            duration=self._blend,
+            at_tick=at_tick,
+            robots=[self._team.names[job.robot]],
+        )
+        future = self._client.call_async(request)
+        self._asked[future] = job, back, time.monotonic() + _ANSWER
+        future.add_done_callback(partial(self._on_done))
+
+    def _on_done(self, future: Future) -> None:
+        """Hand an answer on."""
+        job, back, _ = self._asked.pop(future, (None, False, 0.0))
+        if job is not None:
+            answer = future.result()
+            self._on_answer(job, back, "" if answer.accepted else answer.message)
+
+    def _on_look(self) -> None:
+        """Take an answer that does not come for a refusal."""
+        for future, (job, back, end) in list(self._asked.items()):
+            if time.monotonic() > end:
+                del self._asked[future]
+                self._client.remove_pending_request(future)
+                self._on_answer(job, back, f"robot A did not answer in {_ANSWER:g} s")
+
+    def _on_status(self, message: TransitionStatus) -> None:
+        """Note where robots are."""
+        active = message.phase not in (TransitionStatus.REQUESTED, TransitionStatus.PREPARING)
+        for name in message.robots:
+            self._now[name] = message.to_stack if active else message.from_stack

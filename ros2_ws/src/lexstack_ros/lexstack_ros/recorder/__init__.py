@@ -1,0 +1,1 @@
+"""The node that records every topic into one bag."""

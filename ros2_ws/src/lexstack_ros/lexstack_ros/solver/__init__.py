@@ -1,0 +1,1 @@
+"""The node of the stack solver (robot B)."""

@@ -1,0 +1,182 @@
+"""Robot B: solves the stack that robot A asks for, for the same plant states."""
+
+from __future__ import annotations
+
+import sys
+from time import perf_counter
+
+import numpy as np
+from rclpy.node import Node
+
+from lexstack.control.factory import Parts, build_stack_solver
+from lexstack.control.stack_solver import share
+from lexstack.errors import InputError
+from lexstack.hqp import near_singularity
+from lexstack.robots import Kinematics
+from lexstack.state import RobotState
+from lexstack.transition.messages import Announcement, SourceSchedule
+from lexstack_interfaces.msg import Chi, References, StackRequest
+from lexstack_ros.controller.references import KEPT, HeardReferences
+from lexstack_ros.intake.plant_states import PlantStates
+from lexstack_ros.messages.conversions import WORLD, to_announcement, to_array, to_seconds, to_time
+from lexstack_ros.messages.qos import LATCHED, LATEST, STREAM
+from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, first
+from lexstack_ros.node.parameters import count_parameter, scenario_parameter
+from lexstack_ros.node.sole_sender import sender_name
+from lexstack_ros.node.spin import run_node
+
+
+class StackSolverNode(Node):
+    """Topics around the core's StackSolver; no mathematics here."""
+
+    def __init__(self) -> None:
+        """Build the solver of the scenario; raises LexstackError for a wrong parameter."""
+        super().__init__("stack_solver")
+        self._resolved = scenario_parameter(self)
+        self._parts = Parts.of(self._resolved)
+        self._solver = build_stack_solver(self._resolved, self._parts)
+        solvers = self._resolved.scenario.solvers
+        number = count_parameter(self, "number", "which of the scenario's solvers it is", solvers)
+        everyone = len(self._parts.team.robots)
+        self._mine = {
+            name: share(stack, everyone, number, solvers)
+            for name, stack in self._parts.stacks.items()
+        }
+        self._schedule = SourceSchedule()
+        self._state: RobotState | None = None
+        self._served: tuple[int, set[int]] = (-1, set())  # the last tick, and its transitions' ids
+        self._failures = 0
+        self._meter = Meter()
+        self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
+        self._chi.header.frame_id = WORLD
+        self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
+        team = self._parts.team
+        self._references = HeardReferences(self, team, on_news=self._on_references)
+        self._kept = self.create_publisher(References, KEPT, LATEST) if number == 1 else None
+        self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
+        Diagnostics(self, self._health)
+        newest = int(self._resolved.scenario.mode == "realtime")
+        self._states = PlantStates(
+            self, team, self._on_state, self._restart, self._on_commander, newest=newest
+        )
+
+    def _on_state(self, state: RobotState) -> None:
+        """Solve for a new state, if a stack is asked for."""
+        self._state = state
+        self._serve()
+
+    def _on_commander(self, name: str, _follows: bool) -> bool:
+        """Believe the references of whom the plant takes commands from; serve in any case."""
+        self._references.believed = name
+        return True
+
+    def _on_references(self, message: References) -> None:
+        """Keep robot A's decision for it; solve again what it changes of the present tick."""
+        if self._kept is not None:
+            self._kept.publish(message)
+        state = self._state
+        if state is not None and to_seconds(message.header.stamp) <= state.stamp:
+            self._served = (state.tick, set())
+            self._serve()
+
+    def _on_request(self, message: StackRequest) -> None:
+        """Take robot A's wish, and serve it for the present state if that is due."""
+        try:
+            wanted = to_announcement(message, self._parts.stacks, self._parts.team)
+        except InputError as error:
+            self._states.refuse(error)
+            return
+        if self._parts.stacks[wanted.stack].planned or self._mine[wanted.stack] is None:
+            return  # the HTMPC's, or another solver's
+        self._schedule.hear(wanted)
+        self._serve()
+
+    def _serve(self) -> None:
+        """Send the optimum of each stack that is asked for, once per state and request.
+
+        Not before the references are known: towards others the robots would move.
+        """
+        state = self._state
+        if state is None or not self._references.timeline.covers(state.stamp):
+            return
+        if self._served[0] != state.tick:
+            self._served = (state.tick, set())
+        due = [w for w in self._schedule.current(state.tick) if w.id not in self._served[1]]
+        if not due:
+            return
+        begun = perf_counter()
+        kinematics = self._parts.team.kinematics(state)
+        for wanted in due:
+            self._served[1].add(wanted.id)
+            self._send(wanted, state, kinematics, begun)
+            begun = perf_counter()
+
+    def _send(
+        self, wanted: Announcement, state: RobotState, kinematics: Kinematics, begun: float
+    ) -> None:
+        """Solve one stack for a state, and send its optimum; ``begun``: when its work began [s]."""
+        references = self._references.timeline.at(state.stamp)
+        stack, team = self._mine[wanted.stack], self._parts.team
+        assert stack is not None
+        solution = self._solver.solve(stack, kinematics, references)
+        bounds = self._solver.bounds(stack, kinematics)
+        solve_time = perf_counter() - begun
+        chi = self._chi
+        _head(chi, state, wanted)
+        chi.references = references.revision
+        vectors = solution.chi, bounds.lower, bounds.upper
+        if self._resolved.scenario.solvers > 1:
+            robots = range(len(team.robots)) if stack.robots is None else stack.robots
+            chi.robots = [team.names[robot] for robot in robots]
+            vectors = tuple(vector[team.columns(robots)] for vector in vectors)
+        chi.chi, chi.lower, chi.upper = (to_array(vector) for vector in vectors)
+        chi.slacks = to_array(solution.slacks)
+        usable = solution.solved and bool(np.isfinite(solution.chi).all())
+        chi.status = Chi.SOLVED if usable else Chi.FAILED
+        chi.reason = solution.reason or solution.undamped or near_singularity(solution.near)
+        chi.empty_bounds = bounds.empty
+        chi.solve_time = solve_time
+        self._meter.add(solve_time)
+        self._chi_out.publish(chi)
+        if not usable:
+            self._failures += 1
+            self.get_logger().warning(solution.reason, throttle_duration_sec=1.0)
+
+    def _restart(self) -> None:
+        """Begin anew after a reset of the plant."""
+        self._solver = build_stack_solver(self._resolved, self._parts)
+        self._schedule = SourceSchedule()
+        self._state = None
+        self._served = (-1, set())
+
+    def _health(self) -> Health:
+        """Return how the node is."""
+        complaint, ages = self._states.report()
+        return Health(
+            first(complaint, f"{self._failures} ticks failed" if self._failures else ""),
+            {
+                **self._meter.report(),
+                **ages,
+                "tick": str(self._served[0]),
+                "failures": str(self._failures),
+                "skipped states": str(self._states.skipped),
+                "refused messages": str(self._states.refused + self._references.refused),
+            },
+        )
+
+
+def _head(chi: Chi, state: RobotState, wanted: Announcement) -> None:
+    """Write what the chi is for."""
+    chi.header.stamp = to_time(state.stamp)
+    chi.tick = state.tick
+    chi.stack = wanted.stack
+    chi.transition_id = wanted.id
+
+
+def main() -> int:
+    """Run robot B's solver; returns the exit code."""
+    return run_node(StackSolverNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

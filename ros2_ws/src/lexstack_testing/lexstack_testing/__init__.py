@@ -1,0 +1,1 @@
+"""Running systems under test: faults, loads, several hosts on one machine."""
