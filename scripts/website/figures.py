@@ -136,18 +136,16 @@ def _finished(figure: Figure) -> Figure:
     return figure
 
 
+FIGURES = {"viable-box": viable_box, "bridge": bridge, "levels": levels, "bend": bend}
+"""How each figure is drawn, by the name of its file."""
+
+
 def main() -> None:
     """Write all figures."""
     mpl.use("agg")
-    drawn = {
-        "viable-box": viable_box(),
-        "bridge": bridge(),
-        "levels": levels(),
-        "bend": bend(),
-    }
     FOLDER.mkdir(parents=True, exist_ok=True)
-    for name, figure in drawn.items():
-        figure.savefig(FOLDER / f"{name}.png", dpi=110, metadata={"Software": None})
+    for name, draw in FIGURES.items():
+        draw().savefig(FOLDER / f"{name}.png", dpi=110, metadata={"Software": None})
 
 
 if __name__ == "__main__":

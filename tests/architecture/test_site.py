@@ -12,7 +12,7 @@ import sys
 import pytest
 
 from support.code_blocks import ROOT, all_blocks
-from website import docstrings, fences, links, network
+from website import docstrings, fences, figures, links, network
 
 EQUATIONS = [pytest.param(b.text, id=b.name) for b in all_blocks() if b.language == "math"]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
@@ -52,6 +52,14 @@ def test_a_wrong_equation_is_refused(text):
 def test_a_wrong_diagram_is_refused():
     with pytest.raises(fences.FenceError, match="no diagram"):
         fences.diagram("sequenceDiagram\n    A->>B: one; two\n")
+
+
+def test_every_figure_of_the_equations_can_be_drawn_and_has_its_place():
+    assert {path.stem for path in figures.FOLDER.iterdir()} == set(figures.FIGURES)
+    text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    for name, draw in figures.FIGURES.items():
+        assert f"images/equations/{name}.png" in text
+        assert draw().axes
 
 
 def test_a_public_name_without_a_docstring_is_found(tmp_path):
