@@ -9,6 +9,8 @@ from pathlib import Path
 import griffe
 import yaml
 
+Thing = griffe.Object | griffe.Alias
+
 
 @dataclass(frozen=True)
 class ApiList:
@@ -41,33 +43,55 @@ def packages(extra: dict[str, object]) -> tuple[str, ...]:
     return (library, *(f"{library}.{name}" for name in api["packages"]))
 
 
+def load(api: ApiList) -> dict[str, Thing]:
+    """Return the packages as griffe sees them, by name, without importing them."""
+    loader = griffe.GriffeLoader(search_paths=list(api.folders), docstring_parser="google")
+    loader.load(api.packages[0])
+    loader.resolve_aliases()
+    return {name: loader.modules_collection[name] for name in api.packages}
+
+
 def missing(api: ApiList) -> list[str]:
     """Return the public names without a docstring, sorted; fields of a class are not counted.
 
     A field is told of in the docstring of its class, which ruff looks at.
     """
-    loader = griffe.GriffeLoader(search_paths=list(api.folders), docstring_parser="google")
-    loader.load(api.packages[0])
-    loader.resolve_aliases()
-    found: set[str] = set()
-    for name in api.packages:
-        found.update(_without(loader.modules_collection[name]))
-    return sorted(found)
+    return sorted({path for package in load(api).values() for path in _without(package)})
 
 
-def _without(thing: griffe.Object | griffe.Alias) -> Iterator[str]:
+def hidden(package: Thing) -> list[str]:
+    """Return the paths of public names that have the name of a submodule.
+
+    ``from package.thing import thing`` makes ``package.thing`` the function; griffe, which runs
+    nothing, takes it for the module and leaves the function out.
+    """
+    modules = [member for member in package.members.values() if _is_public_module(member)]
+    return [f"{_target(module).path}.{module.name}" for module in modules]
+
+
+def _without(thing: Thing) -> Iterator[str]:
     """Yield the paths of a name and of what is public in it, as far as they have no docstring."""
     if not thing.has_docstring:
         yield thing.path
     if thing.is_module or thing.is_class:
         for member in thing.members.values():
-            if not _is_shown(thing, member):
-                continue
-            target = member.final_target if isinstance(member, griffe.Alias) else member
-            yield from _without(target)
+            if _is_shown(thing, member):
+                yield from _without(_target(member))
+            elif _is_public_module(member):
+                yield from _without(_target(_target(member).members[member.name]))
 
 
-def _is_shown(parent: griffe.Object | griffe.Alias, member: griffe.Object | griffe.Alias) -> bool:
+def _target(thing: Thing) -> Thing:
+    """Return what an alias stands for, else the thing itself."""
+    return thing.final_target if isinstance(thing, griffe.Alias) else thing
+
+
+def _is_public_module(member: Thing) -> bool:
+    """Return whether a member is exported, and is a module with a member of its own name."""
+    return member.is_exported and member.is_module and member.name in _target(member).members
+
+
+def _is_shown(parent: Thing, member: Thing) -> bool:
     """Return whether the API page of ``parent`` shows a member."""
     if member.name.startswith("_"):
         return False

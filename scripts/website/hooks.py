@@ -16,6 +16,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from website import docstrings, fences, links
 
+_HEADED = "{show_root_heading: true, show_root_toc_entry: true}"
+
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Draw equations and diagrams, and put what a list or folder gives into the navigation."""
@@ -35,8 +37,10 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the documents beside ``docs/``, the files that they link to, and the API's pages."""
     for source, target in {**links.PAGES, **links.FILES}.items():
         files.append(File.generated(config, target, abs_src_path=str(root(config) / source)))
-    for name in docstrings.packages(config.extra):
+    for name, package in docstrings.load(docstrings.api_list(root(config))).items():
         text = f"# {name}\n\n::: {name}\n"
+        for path in docstrings.hidden(package):
+            text += f"\n::: {path}\n    options: {_HEADED}\n"
         files.append(File.generated(config, api_page(name), content=text))
     return files
 

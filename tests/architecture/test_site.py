@@ -76,6 +76,18 @@ def test_a_public_name_without_a_docstring_is_found(tmp_path):
     assert found == ["some.LEVEL", "some.inner.Told.bare", "some.inner.shown"]
 
 
+def test_a_function_with_the_name_of_its_module_is_found(tmp_path):
+    package = tmp_path / "some"
+    package.mkdir()
+    (package / "__init__.py").write_text(
+        '"""One."""\nfrom some.shown import shown\n\n__all__ = ["shown"]\n'
+    )
+    (package / "shown.py").write_text('"""Two."""\n\ndef shown():\n    pass\n')
+    api = docstrings.ApiList(("some",), (tmp_path,))
+    assert docstrings.hidden(docstrings.load(api)["some"]) == ["some.shown.shown"]
+    assert docstrings.missing(api) == ["some.shown.shown"]
+
+
 @pytest.mark.parametrize(
     "text",
     [
