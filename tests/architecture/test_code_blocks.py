@@ -18,7 +18,7 @@ import pytest
 import yaml
 
 from lexstack.config.reader import build, parse_yaml
-from lexstack.config.scenario import ObstacleConfig
+from lexstack.config.scenario import ObstacleConfig, ScenarioConfig
 from lexstack.config.stack import StackConfig
 from lexstack_bringup.hosts import SERVER, load_hosts
 from lexstack_bringup.player import PLAYER
@@ -37,7 +37,7 @@ def of(*languages):
 
 def test_every_block_is_of_a_kind_that_is_checked_here():
     assert len(BLOCKS) > 40
-    known = {"sh", "python", "yaml", "mermaid", ""}
+    known = {"sh", "python", "yaml", "mermaid", "math", ""}
     assert not [block.name for block in BLOCKS if block.language not in known]
 
 
@@ -124,7 +124,7 @@ def check_script(words):
 
 
 def check_ros2(words):
-    """Check one call of the native command: names of topics are README's, the message is one."""
+    """Check one call of the native command: names of topics are known, the message is one."""
     verb = words[1:3]
     options = {("topic", "pub"): 2, ("service", "call"): 2, ("action", "send_goal"): 2}
     plain = [word for word in words[3:] if not word.startswith("--")]
@@ -155,8 +155,8 @@ def check_message(part, kind, value):
 
 
 def endpoint_is_known(name):
-    """Return whether README's tables have a topic, service or action."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    """Return whether the page's table has a topic, service or action."""
+    text = (ROOT / "docs/ros-by-hand.md").read_text(encoding="utf-8")
     return any(f"`{n}`" in text for n in (name, re.sub(r"/robot_[ab]/", "/NAME/", name)))
 
 
@@ -185,7 +185,9 @@ def test_every_command_and_option_in_a_block_exists(block):
 def check_yaml(text, where):
     """Check a block against the schema of what it is."""
     data = parse_yaml(text, where)
-    if "levels" in data:
+    if "initial_stack" in data:
+        build(ScenarioConfig, data, where)
+    elif "levels" in data:
         build(StackConfig, data, where)
     elif set(data) == {"obstacles"}:
         for name, values in data["obstacles"].items():

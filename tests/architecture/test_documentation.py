@@ -1,6 +1,7 @@
 """What the documents say exists: commands, paths, links, names, topics; and nothing leaks."""
 
 import ast
+import dataclasses
 import os
 import re
 import subprocess
@@ -9,8 +10,13 @@ from pathlib import Path
 
 import pytest
 
+from lexstack.config.plant import PlantConfig, PushConfig
+from lexstack.config.scenario import EventConfig, ScenarioConfig, TransitionConfig
+from lexstack.config.stream import StreamConfig
+
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
+BY_HAND = ROOT / "docs/ros-by-hand.md"
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 SOURCES = ("ros2_ws/src/*/lexstack*", "sim_bridge/lexstack_sim", "scripts", "tests")
 # Where a path in a document may begin, beside the root and the document's own folder.
@@ -165,7 +171,7 @@ def endpoints():
 
 
 def table(text):
-    """Return name -> type of README's table of topics and services."""
+    """Return name -> type of the page's table of topics and services."""
     rows = re.findall(r"^\| `(/[\w/]+)` \| `(\w+/\w+)` \|", text, flags=re.MULTILINE)
     return {name: kind.split("/")[1] for name, kind in rows}
 
@@ -187,9 +193,9 @@ def test_the_readme_names_the_commands_that_a_user_needs():
     assert {"./scripts/demo", "./scripts/test"} <= set(commands(text_of(README)))
 
 
-def test_python_in_the_readme_compiles_and_imports_what_is_there():
-    code = re.findall(r"<<'(\w+)'\n(.*?)^\1$", text_of(README), flags=re.MULTILINE | re.DOTALL)
-    assert code, "README shows how to switch from Python"
+def test_python_beside_a_demo_compiles_and_imports_what_is_there():
+    code = re.findall(r"<<'(\w+)'\n(.*?)^\1$", text_of(BY_HAND), flags=re.MULTILINE | re.DOTALL)
+    assert code, "the page shows how to switch from Python"
     for _, program in code:
         for node in ast.walk(ast.parse(program)):
             if isinstance(node, ast.ImportFrom) and node.module.startswith("lexstack_interfaces"):
@@ -233,17 +239,26 @@ def test_every_decision_is_in_the_list():
     assert listed == sorted(path.name for path in folder.glob("[0-9]*.md"))
 
 
+def test_the_page_of_scenarios_names_every_scenario_and_every_key():
+    text = text_of(ROOT / "docs/scenarios.md")
+    named = set(re.findall(r"`([\w-]+)`", text))
+    assert {path.stem for path in (ROOT / "config/scenarios").glob("*.yaml")} <= named
+    tables = (ScenarioConfig, TransitionConfig, EventConfig, PlantConfig, PushConfig, StreamConfig)
+    keys = {field.name for table in tables for field in dataclasses.fields(table)}
+    assert not keys - named
+
+
 # ---- contracts
 
 
-def test_topics_and_services_of_the_readme_are_those_of_the_code():
-    code, documented = endpoints(), table(text_of(README))
+def test_topics_and_services_of_the_page_are_those_of_the_code():
+    code, documented = endpoints(), table(text_of(BY_HAND))
     assert len(documented) > 15
     for name, kind in documented.items():
         either = [name, re.sub(r"/robot_[ab]/", "/NAME/", name)]
         assert kind in [code.get(n) for n in either], f"{name} ({kind}) is not in the code"
     missing = {n for n in code if n not in documented}
-    assert not missing, "in the code, not in README"
+    assert not missing, "in the code, not in the page"
 
 
 # ---- leaks

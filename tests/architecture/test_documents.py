@@ -44,9 +44,9 @@ def test_every_field_of_a_results_file_is_shown_by_some_document():
     assert set(fields_of(Store(ROOT))) - counts <= shown
 
 
-def test_the_numbers_that_the_demo_prints_in_the_readme_are_those_of_the_experiment():
+def test_the_numbers_that_the_demo_prints_on_the_page_are_those_of_the_experiment():
     """The printed block cannot hold markers; it shows the run of ``transition-sequence``."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/first-run.md").read_text(encoding="utf-8")
     results = Store(ROOT)["transition-sequence"]
     told = {
         "Base error after (A)": f"{results.figure('Base error after (A)')['value']:.4g} mm",
@@ -65,10 +65,12 @@ def test_the_numbers_that_the_demo_prints_in_the_readme_are_those_of_the_experim
 
 
 def test_figures_of_the_system_bench_agree_between_the_pages():
-    """Their run was not kept: README must say what docs/experiments.md does."""
+    """Their run was not kept: docs/status.md must say what docs/experiments.md does."""
     page = (ROOT / "docs/experiments.md").read_text(encoding="utf-8")
     (rate,) = re.findall(r"^\| lockstep \| A follows the HTMPC \| (\d+) ", page, re.MULTILINE)
-    assert f"in lockstep with the HTMPC {rate} ticks/s" in (ROOT / "README.md").read_text("utf-8")
+    assert f"reach {rate} ticks/s in lockstep with the MPC" in (ROOT / "docs/status.md").read_text(
+        "utf-8"
+    )
 
 
 def test_comments_of_commands_name_the_number_of_cases_of_the_code():

@@ -88,7 +88,7 @@ def test_the_image_has_what_its_tests_need():
 
 def test_the_page_makes_the_folder_that_the_image_writes_to():
     """One that docker makes is root's, and the image's account cannot write to it."""
-    page = (ROOT / "README.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "first-run.md").read_text(encoding="utf-8")
     made, run = page.index("mkdir -p runs"), page.index('-v "$PWD/runs:/lexstack/runs"')
     assert made < run
     assert '--user "$(id -u):$(id -g)"' in page[made:run]

@@ -1,4 +1,4 @@
-"""The programs that README and docs/htmpc.md print: beside a running demo, and beside none."""
+"""The programs that two pages print: beside a running demo, and beside none."""
 
 import dataclasses
 import os
@@ -39,7 +39,7 @@ def start(page, domain=None):
 
 
 def test_every_page_with_a_program_is_known_here():
-    assert set(PROGRAMS) == {"README.md", "docs/htmpc.md"}
+    assert set(PROGRAMS) == {"docs/ros-by-hand.md", "docs/htmpc.md"}
 
 
 @pytest.mark.parametrize("page", PROGRAMS)
@@ -66,7 +66,7 @@ def test_beside_a_demo_the_programs_print_what_the_pages_say(tmp_path):
     done = {}
 
     def do():
-        for page in ("README.md", "docs/htmpc.md"):
+        for page in ("docs/ros-by-hand.md", "docs/htmpc.md"):
             process = start(page)
             done[page] = (*process.communicate(timeout=60.0), process.returncode)
 
@@ -82,7 +82,7 @@ def test_beside_a_demo_the_programs_print_what_the_pages_say(tmp_path):
 
         with pytest.raises(ProgramsDoneError):
             run.play(watch)
-    out, errors, code = done["README.md"]
+    out, errors, code = done["docs/ros-by-hand.md"]
     assert (code, errors) == (0, "")
     lines = out.splitlines()
     assert lines[0].startswith("transition 1 to 'posture' starts at tick ")

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
+"""An array of one dimension."""
 Matrix = NDArray[np.float64]
+"""An array of two dimensions."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

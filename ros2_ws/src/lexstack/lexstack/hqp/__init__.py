@@ -30,6 +30,7 @@ SOLVERS: dict[str, SolverFactory] = {
 """The solvers by the name that a configuration uses; the first is the default."""
 
 DEFAULT_SOLVER = "daqp"
+"""The solver of whoever names none."""
 
 
 def make_solver(name: str = DEFAULT_SOLVER) -> HqpSolver:

@@ -138,3 +138,4 @@ class HqpSolver(Protocol):
 
 
 SolverFactory = Callable[[], HqpSolver]
+"""Makes a new solver."""

@@ -101,7 +101,9 @@ class Bases:
 
 
 POSES = Poses()
+"""How references of tools are compared and led in."""
 BASES = Bases()
+"""How references of bases are compared and led in."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

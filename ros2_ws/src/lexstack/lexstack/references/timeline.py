@@ -10,6 +10,7 @@ from lexstack.robots import Pose
 from lexstack.types import Vector
 
 ROUNDING = 1e-9  # s, of stamps
+"""Stamps that differ by less are the same [s]."""
 _MOST = 256  # decisions that are kept, for one that is to come or late
 
 

@@ -18,5 +18,6 @@ TASKS: dict[str, TaskFactory] = {
     "posture": Posture.from_config,
     "relative_pose": RelativePose.from_config,
 }
+"""How each task is made, by the type that stack files name."""
 
 __all__ = ["TASKS", "Task", "TaskFactory"]

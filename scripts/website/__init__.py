@@ -1,0 +1,1 @@
+"""The site of documents: what `./scripts/docs` does beside mkdocs."""
