@@ -7,11 +7,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from lexstack.hqp import make_solver
-from lexstack.hqp.backends.daqp import DaqpCascade
-from lexstack.hqp.backends.proxqp import ProxqpCascade
-from lexstack.hqp.backends.quadprog import QuadprogCascade
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.hqp import DaqpCascade, ProxqpCascade, QuadprogCascade, make_solver
+from lexstack.limits import Bounds
 from support.exact import exact_optimum, exact_slacks
 from support.integers import SCALES, integer_problem, shape
 

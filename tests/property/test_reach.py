@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from lexstack.hqp import Damper, HqpProblem, make_solver
-from lexstack.limits.viable_bounds import viable_bounds
+from lexstack.limits import viable_bounds
 from lexstack.references import References
 from lexstack.robots import Pose
-from lexstack.tasks.stack import build_stack
+from lexstack.tasks import build_stack
 from lexstack_experiments.experiments.reach_cases import Case, out_of_reach, stack_of, within_reach
 from lexstack_experiments.experiments.reach_runs import run
 from support.scenario import home, resolved, state_at, team

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.config.scenario import TransitionConfig
 from lexstack.references import References
 from lexstack.robots import Pose
-from lexstack.transition.messages import Source, SourceSample
-from lexstack.transition.profiles import quintic
+from lexstack.transition import Source, SourceSample, TransitionConfig, quintic
 from lexstack_experiments.loop import Loop
 from support.channels import BASES, ROBOTS, loop
 from support.scenario import home, team

@@ -5,13 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
 from lexstack.hqp import Damper, HqpProblem, blocked, damping, make_solver, regular
 from lexstack.hqp.curvature import add_curvature
-from lexstack.limits.viable_bounds import Bounds, target_bounds
+from lexstack.limits import Bounds, target_bounds
 from lexstack.references import References
 from lexstack.robots import Pose
-from lexstack.tasks.stack import build_stack
+from lexstack.tasks import LevelConfig, StackConfig, TaskConfig, build_stack
 from support.scenario import home, random_q, state_at, team
 
 BOTH = {"relative_pose": {"other": "robot_b"}}

@@ -7,9 +7,7 @@ import typing
 import pytest
 import yaml
 
-from lexstack.config.sequence import SequenceTaskConfig
-from lexstack.mpc import SequenceTask
-from lexstack.mpc.tracking_objectives import MEASURES, Kind
+from lexstack.mpc import MEASURES, Kind, SequenceTask, SequenceTaskConfig
 from lexstack_interfaces.msg import SequenceTask as Message
 from support.scenario import ROOT
 

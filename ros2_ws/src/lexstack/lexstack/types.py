@@ -1,4 +1,4 @@
-"""Linear tasks on chi: the rows that a task contributes to a level of the hierarchy."""
+"""The values that all parts of the library share: vectors, a state, and a task made linear."""
 
 from __future__ import annotations
 
@@ -9,6 +9,29 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """All robots at one tick, stacked in the configured order; arrays are not to be written.
+
+    Per robot: base x [m], y [m], yaw [rad] in the world frame, then the arm joints [rad].
+
+    Attributes:
+        tick: number of the control period, counted by the plant.
+        stamp: simulated time [s].
+        q: measured positions, shape (n,).
+        v: measured velocities, shape (n,), m/s and rad/s.
+        q_star: Euler integral of the commands that the plant has accepted, shape (n,).
+        command: the last chi that the plant has accepted, shape (n,).
+    """
+
+    tick: int
+    stamp: float
+    q: Vector
+    v: Vector
+    q_star: Vector
+    command: Vector
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,17 +18,17 @@ from lexstack.hqp import (
     near_singularity,
     refusal,
 )
+from lexstack.limits.joint_limits import Bounds, JointLimits
 from lexstack.limits.limits_in_force import BoxLaw
-from lexstack.limits.viable_bounds import Bounds, JointLimits, target_bounds
+from lexstack.limits.viable_bounds import target_bounds
 from lexstack.references import ReferenceSchedule, measured
 from lexstack.robots import Kinematics, Team
-from lexstack.state import RobotState
 from lexstack.transition.auxiliary import Auxiliary
 from lexstack.transition.channel_problem import Means
 from lexstack.transition.manager import Transition
 from lexstack.transition.messages import TransitionState
 from lexstack.transition.status_report import with_singularity
-from lexstack.types import Vector
+from lexstack.types import RobotState, Vector
 
 _TOUCH = 1e-9  # m/s, rad/s: nearer than this chi is at its bound
 

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from lexstack.hqp import Damped, Damper, HqpProblem, HqpSolver, Solution
-from lexstack.limits.viable_bounds import Bounds, target_bounds
+from lexstack.limits.joint_limits import Bounds
+from lexstack.limits.viable_bounds import target_bounds
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
-from lexstack.tasks import TASKS
+from lexstack.tasks.registry import TASKS
 from lexstack.tasks.stack import AT_REST, Level, Stack
 from lexstack.transition.robot_group import Part
 from lexstack.types import LinearTask

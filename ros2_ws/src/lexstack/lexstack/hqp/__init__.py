@@ -2,13 +2,14 @@
 
 from lexstack.errors import ConfigurationError
 from lexstack.hqp.backends.daqp import DaqpCascade
-from lexstack.hqp.backends.oracle import OracleSolver
+from lexstack.hqp.backends.oracle import OracleSolver, lexicographic_oracle
 from lexstack.hqp.backends.proxqp import ProxqpCascade
 from lexstack.hqp.backends.quadprog import QuadprogCascade
 from lexstack.hqp.damping import Damped, Damper
 from lexstack.hqp.decoupled_solver import ClusteredSolver
 from lexstack.hqp.diagnosis import Blocked, Obstacle, blocked, describe
 from lexstack.hqp.fallback import FallbackSolver, refusal
+from lexstack.hqp.hierarchy import Hierarchy
 from lexstack.hqp.problem import (
     DAMPED,
     NEAR,
@@ -57,16 +58,22 @@ __all__ = [
     "ClusteredSolver",
     "Damped",
     "Damper",
+    "DaqpCascade",
     "FallbackSolver",
+    "Hierarchy",
     "HqpProblem",
     "HqpSolver",
     "NearSingular",
     "Obstacle",
+    "OracleSolver",
+    "ProxqpCascade",
+    "QuadprogCascade",
     "Solution",
     "SolverFactory",
     "Status",
     "blocked",
     "describe",
+    "lexicographic_oracle",
     "make_solver",
     "near_singularity",
     "refusal",

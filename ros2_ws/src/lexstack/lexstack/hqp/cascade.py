@@ -23,7 +23,7 @@ from lexstack.hqp.rank_revealing_qr import factorise
 from lexstack.hqp.refine import Point, refine
 from lexstack.hqp.scaling import Bands, scaled
 from lexstack.hqp.unmet import with_weights
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits.joint_limits import Bounds
 from lexstack.types import LinearTask, Matrix, Vector
 
 _BACKEND_ERRORS = (ArithmeticError, RuntimeError, ValueError)

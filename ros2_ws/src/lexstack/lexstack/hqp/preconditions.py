@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, Signs
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits.joint_limits import Bounds
 from lexstack.types import Vector
 
 

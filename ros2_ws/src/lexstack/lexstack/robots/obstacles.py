@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from lexstack.config.checks import shown
-from lexstack.config.scenario import ObstacleConfig
 from lexstack.errors import ConfigurationError
+from lexstack.options import shown
+from lexstack.robots.options import ObstacleConfig
 from lexstack.types import Matrix, Vector
 
 

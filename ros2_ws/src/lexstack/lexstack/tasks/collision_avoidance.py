@@ -30,9 +30,8 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.config.checks import not_negative, positive
-from lexstack.config.reader import build
 from lexstack.errors import ConfigurationError
+from lexstack.options import build, not_negative, positive
 from lexstack.references import References
 from lexstack.robots import Kinematics, Spheres, Team
 from lexstack.robots.collision_geometry import Indices

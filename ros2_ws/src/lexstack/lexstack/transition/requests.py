@@ -6,8 +6,8 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from lexstack.config.checks import shown
-from lexstack.config.scenario import TransitionConfig
+from lexstack.options import shown
+from lexstack.transition.options import TransitionConfig
 
 MAX_DURATION = 60.0  # s
 MAX_SCHEDULED = 64

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
-from lexstack.config.checks import not_negative, positive, shown
-from lexstack.config.reader import build, read_yaml
 from lexstack.errors import ConfigurationError
+from lexstack.options import not_negative, positive
 
 Constraint = Literal["sum", "stage", "axis"]
 _MOST_STAGES = 100
@@ -143,11 +141,3 @@ class HtmpcConfig:
             raise ConfigurationError(
                 f"{where}: iterations: must be at least 1, got {self.iterations}"
             )
-
-
-def load_htmpc(path: Path) -> HtmpcConfig:
-    """Return one file of ``config/htmpc``; raises ConfigurationError with file and key."""
-    config = build(HtmpcConfig, read_yaml(path), str(path))
-    if config.name != path.stem:
-        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(config.name)}")
-    return config

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from lexstack.config.checks import positive
 from lexstack.errors import ConfigurationError
+from lexstack.options import positive
 
 
 @dataclass(frozen=True, slots=True)
