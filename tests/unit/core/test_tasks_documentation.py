@@ -36,7 +36,7 @@ def table(heading):
 
 def parameters_of(kind):
     """Return the dataclass of a task's parameters."""
-    module = importlib.import_module(f"lexstack.tasks.{kind}")
+    module = importlib.import_module(TASKS[kind].__module__)
     (found,) = (
         value
         for name, value in vars(module).items()

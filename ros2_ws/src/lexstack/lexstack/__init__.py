@@ -51,6 +51,9 @@ if TYPE_CHECKING:
     )
     from lexstack.limits import Bounds, JointLimits, LimitOptions, LimitsInForce, viable_bounds
     from lexstack.mpc import (
+        DEFAULT_HTMPC,
+        HT_ARCH,
+        ST_ARCH,
         Htmpc,
         HtmpcConfig,
         Objective,
@@ -85,6 +88,7 @@ if TYPE_CHECKING:
         METHODS,
         Phase,
         SourceSample,
+        SourceSchedule,
         Transition,
         TransitionConfig,
         TransitionOptions,
@@ -99,21 +103,24 @@ else:
             "errors": "ConfigurationError InputError LexstackError ModelError",
             "hqp": "SOLVERS HqpProblem HqpSolver Solution Status blocked describe make_solver",
             "limits": "Bounds JointLimits LimitOptions LimitsInForce viable_bounds",
-            "mpc": "Htmpc HtmpcConfig Objective Plan SequenceRunner "
-            "SequenceTask Start Surroundings",
+            "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH Htmpc HtmpcConfig Objective "
+            "Plan SequenceRunner SequenceTask Start Surroundings",
             "references": "ReferenceSchedule References Target",
             "robots": "Kinematics ObstacleConfig Obstacles Pose RobotConfig "
             "RobotModel Team mobile_manipulator",
             "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack",
-            "transition": "METHODS Phase SourceSample Transition "
+            "transition": "METHODS Phase SourceSample SourceSchedule Transition "
             "TransitionConfig TransitionOptions TransitionState",
             "types": "LinearTask Matrix RobotState Vector",
         },
     )
 
 __all__ = [
+    "DEFAULT_HTMPC",
+    "HT_ARCH",
     "METHODS",
     "SOLVERS",
+    "ST_ARCH",
     "TASKS",
     "Bounds",
     "Command",
@@ -149,6 +156,7 @@ __all__ = [
     "SequenceTask",
     "Solution",
     "SourceSample",
+    "SourceSchedule",
     "Stack",
     "StackConfig",
     "StackSolver",

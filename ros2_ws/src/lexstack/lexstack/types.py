@@ -8,7 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
+"""An array of one dimension."""
+
 Matrix = NDArray[np.float64]
+"""An array of two dimensions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +35,17 @@ class RobotState:
     v: Vector
     q_star: Vector
     command: Vector
+
+    @classmethod
+    def at_rest(cls, q: Vector) -> RobotState:
+        """Return the state of tick 0 at a configuration, shape (n,)."""
+        still = np.zeros_like(q)
+        return cls(0, 0.0, q, still, q, still)
+
+    def after(self, chi: Vector, dt: float) -> RobotState:
+        """Return the next tick's state of robots that follow a command exactly for dt [s]."""
+        tick = self.tick + 1
+        return RobotState(tick, tick * dt, self.q + dt * chi, chi, self.q_star + dt * chi, chi)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,7 @@
 
 from lexstack.errors import ConfigurationError
 from lexstack.hqp.backends.daqp import DaqpCascade
-from lexstack.hqp.backends.oracle import OracleSolver, lexicographic_oracle
+from lexstack.hqp.backends.oracle import OracleLevel, OracleSolver, lexicographic_oracle
 from lexstack.hqp.backends.proxqp import ProxqpCascade
 from lexstack.hqp.backends.quadprog import QuadprogCascade
 from lexstack.hqp.damping import Damped, Damper
@@ -65,6 +65,7 @@ __all__ = [
     "HqpSolver",
     "NearSingular",
     "Obstacle",
+    "OracleLevel",
     "OracleSolver",
     "ProxqpCascade",
     "QuadprogCascade",

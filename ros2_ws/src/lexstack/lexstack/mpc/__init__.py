@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from lexstack.mpc.double_integrator import Horizon
     from lexstack.mpc.htmpc import Htmpc, Start
     from lexstack.mpc.options import (
+        DEFAULT_HTMPC,
         BarrierConfig,
         CollisionConfig,
         Constraint,
@@ -42,7 +43,7 @@ else:
             "collision_cost": "Surroundings",
             "double_integrator": "Horizon",
             "htmpc": "Htmpc Start",
-            "options": "BarrierConfig CollisionConfig Constraint EffortConfig "
+            "options": "DEFAULT_HTMPC BarrierConfig CollisionConfig Constraint EffortConfig "
             "HtmpcConfig LineSearchConfig TaskWeightsConfig",
             "plan": "Plan",
             "sequence.options": "SequenceConfig SequenceTaskConfig",
@@ -61,6 +62,7 @@ else:
 
 __all__ = [
     "ARCHITECTURES",
+    "DEFAULT_HTMPC",
     "HT_ARCH",
     "MEASURES",
     "ST_ARCH",

@@ -17,6 +17,8 @@ from lexstack.types import Matrix, Vector
 
 Array = NDArray[np.float64]
 Kind = Literal["ee_position", "ee_pose", "base_position", "base_pose"]
+"""What a task moves, and in which coordinates; see ``Objective``."""
+
 Moves = Literal["all", "arm", "base"]
 
 

@@ -101,7 +101,10 @@ class Bases:
 
 
 POSES = Poses()
+"""How set-points of tools fade."""
+
 BASES = Bases()
+"""How set-points of platforms fade."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

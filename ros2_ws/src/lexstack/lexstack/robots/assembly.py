@@ -14,6 +14,7 @@ from lexstack.robots.options import BaseConfig, FrameConfig, RobotConfig
 from lexstack.robots.spatial import from_rpy
 
 BASE_JOINTS = ("base_x", "base_y", "base_yaw")
+"""Names of the platform's joints, the first three of every robot."""
 
 
 @cache  # every robot of a team asks, and the package has thousands of files

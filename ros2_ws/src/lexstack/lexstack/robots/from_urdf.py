@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Sequence
+
 import pinocchio as pin
 
 from lexstack.errors import ModelError
 from lexstack.robots.assembly import description_path
 from lexstack.robots.options import ArmConfig, BaseConfig, FrameConfig, RobotConfig, WheelsConfig
+from lexstack.types import Vector
 
 _HEIGHT = 0.5  # m, top of the platform
 _RAMP = 0.01  # s, in which a joint reaches its full acceleration: that gives the limit of jerk
@@ -16,7 +18,7 @@ _RAMP = 0.01  # s, in which a joint reaches its full acceleration: that gives th
 def mobile_manipulator(
     description: str,
     tool: str,
-    home: dict[str, float],
+    home: Sequence[float],
     *,
     acceleration: float = 10.0,
     name: str = "robot",
@@ -30,35 +32,33 @@ def mobile_manipulator(
     Args:
         description: the URDF, a path below example-robot-data's ``robots`` folder.
         tool: the link that tasks of the end effector move.
-        home: where the arm starts, rad, by joint, in the order of the URDF; every other joint is
-            held at 0.
+        home: where the first joints of the URDF start, rad: they are the arm, and joints after
+            them, fingers, are held at 0.
         acceleration: limit of every joint of the arm [rad/s2].
         name: of this kind of robot.
 
     Raises:
-        ModelError: there is no such file, or it has no such joint.
+        ModelError: there is no such file, or it has not so many joints.
         ConfigurationError: the home is outside the joint limits.
     """
     model = pin.buildModelFromUrdf(str(description_path(description)))
-    missing = [joint for joint in home if not model.existJointName(joint)]
-    if missing:
-        raise ModelError(f"robot {name}: {description} has no joint {missing[0]!r}")
-    joints = tuple(home)
-    places = [model.joints[model.getJointId(joint)].idx_v for joint in joints]
+    names, n = tuple(model.names[1:]), len(home)
+    if not 0 < n <= len(names):
+        raise ModelError(f"robot {name}: home: {description} has {len(names)} joints, got {n}")
 
-    def of_urdf(values: np.ndarray) -> tuple[float, ...]:
-        return tuple(float(values[place]) for place in places)
+    def of_urdf(values: Vector) -> tuple[float, ...]:
+        return tuple(float(value) for value in values[:n])
 
     def same(value: float) -> tuple[float, ...]:
-        return (value,) * len(joints)
+        return (value,) * n
 
     arm = ArmConfig(
         description=description,
         root=model.frames[1].name,
         mount=FrameConfig("base", (0.0, 0.0, _HEIGHT), (0.0, 0.0, 0.0)),
-        joints=joints,
-        fixed={joint: 0.0 for joint in model.names[1:] if joint not in home},
-        home=tuple(home.values()),
+        joints=names[:n],
+        fixed=dict.fromkeys(names[n:], 0.0),
+        home=tuple(home),
         position_lower=of_urdf(model.lowerPositionLimit),
         position_upper=of_urdf(model.upperPositionLimit),
         velocity=of_urdf(model.velocityLimit),

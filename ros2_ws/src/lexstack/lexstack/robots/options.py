@@ -1,4 +1,4 @@
-"""The schema of ``config/robots/*.yaml``: one mobile manipulator."""
+"""What a robot is built from: one mobile manipulator; and what an obstacle is."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from lexstack.errors import ConfigurationError
 from lexstack.options import finite, not_negative, positive, same_length
 
 Vector3 = tuple[float, float, float]
+"""Along x, y, z; of a platform x, y, yaw."""
 
 # The lists of an arm that have one entry per joint.
 _ANGLES = ("home", "position_lower", "position_upper")

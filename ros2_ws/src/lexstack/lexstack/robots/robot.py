@@ -13,7 +13,11 @@ from lexstack.robots.options import RobotConfig
 from lexstack.types import Matrix, Vector
 
 BASE = slice(0, 3)
+"""The platform's joints in a robot's own vectors."""
+
 ARM = slice(3, None)
+"""The arm's joints in them."""
+
 _PRISMATIC = ("JointModelPX", "JointModelPY", "JointModelPZ")
 
 

@@ -1,4 +1,4 @@
-"""The schema of ``config/stacks/*.yaml``: one stack of tasks."""
+"""What a stack is built from: its levels, their tasks, and limits while it is in effect."""
 
 from __future__ import annotations
 
@@ -72,6 +72,17 @@ class StackConfig:
     # this stack, and serves its levels where the plan is lost.
     source: Literal["robot_b", "htmpc"] = "robot_b"
     limits: dict[str, dict[str, JointLimitConfig]] = field(default_factory=dict)  # robot, joint
+
+    @classmethod
+    def of_tasks(cls, name: str, *types: str) -> StackConfig:
+        """Return a stack of one task a level, highest first: for every robot, as by default.
+
+        Args:
+            name: of the stack.
+            types: keys of ``lexstack.tasks.TASKS``.
+        """
+        levels = tuple(LevelConfig((TaskConfig(kind),)) for kind in types)
+        return cls(name, "", levels)
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a stack without levels, or one that contradicts itself."""

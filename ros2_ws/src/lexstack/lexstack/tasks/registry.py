@@ -18,3 +18,4 @@ TASKS: dict[str, TaskFactory] = {
     "posture": Posture.from_config,
     "relative_pose": RelativePose.from_config,
 }
+"""What makes each task, by its type."""

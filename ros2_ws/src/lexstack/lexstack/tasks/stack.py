@@ -17,7 +17,8 @@ from lexstack.tasks.registry import TASKS
 from lexstack.tasks.task import Task
 from lexstack.types import LinearTask
 
-AT_REST = " at rest"  # ends the name of a stack whose lower levels are minimum velocity
+AT_REST = " at rest"
+"""Ends the name of a stack whose lower levels are minimum velocity."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,5 +28,5 @@ class Task(Protocol):
         ...
 
 
-# (team, robot's place in it, parameters of the stack file, where they stand) -> task
 TaskFactory = Callable[[Team, int, dict[str, Any], str], Task]
+"""(team, robot's place in it, parameters of the stack, where they stand) -> task."""

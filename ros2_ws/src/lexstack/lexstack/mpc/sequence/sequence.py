@@ -28,7 +28,10 @@ class Architecture:
 
 
 HT_ARCH = Architecture(levels=2, decoupled=False)
+"""Two tasks at a time, in their order, with the whole robot."""
+
 ST_ARCH = Architecture(levels=1, decoupled=True)
+"""One task at a time, with the arm or with the platform."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
