@@ -31,6 +31,7 @@ SOLVERS: dict[str, SolverFactory] = {
 """The solvers by the name that a configuration uses; the first is the default."""
 
 DEFAULT_SOLVER = "daqp"
+"""The one that is used where none is named."""
 
 
 def make_solver(name: str = DEFAULT_SOLVER) -> HqpSolver:

@@ -124,3 +124,4 @@ class HqpSolver(Protocol):
 
 
 SolverFactory = Callable[[], HqpSolver]
+"""Makes a new solver."""

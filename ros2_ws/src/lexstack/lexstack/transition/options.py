@@ -19,6 +19,7 @@ MethodName = Literal[  # the keys of methods.METHODS
     "activation",
     "weights",
 ]
+"""How a transition joins the old motion to the new one."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,11 @@ from dataclasses import dataclass
 from lexstack.options import shown
 from lexstack.transition.options import TransitionConfig
 
-MAX_DURATION = 60.0  # s
+MAX_DURATION = 60.0
+"""The longest transition [s]."""
+
 MAX_SCHEDULED = 64
+"""So many requests may wait for their ticks."""
 
 
 @dataclass(frozen=True, slots=True)
