@@ -21,6 +21,7 @@ CHECKS = {
     "format": ["ruff", "format", "--check", "--quiet", "."],
     "types": ["mypy", "--no-error-summary"],
     "architecture": ["lint-imports"],
+    "dependencies": [sys.executable, "tests/dependencies.py"],
 }
 
 
