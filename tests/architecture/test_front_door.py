@@ -116,7 +116,8 @@ def test_an_unknown_name_is_an_attribute_error():
         ("import lexstack", "numpy scipy casadi pinocchio yaml"),
         ("from lexstack import Team, StackConfig, HtmpcConfig", "scipy casadi proxsuite yaml"),
         ("from lexstack_config.resolved import load_scenario", "scipy casadi proxsuite"),
-        ("from lexstack import Controller", "casadi yaml"),
+        ("from lexstack_config.parts import build_controller", "scipy.optimize casadi"),
+        ("from lexstack import SequenceTask", "scipy.optimize casadi"),
     ],
 )
 def test_what_is_not_needed_is_not_loaded(statement, absent):

@@ -7,14 +7,13 @@ from time import perf_counter
 
 import numpy as np
 
+import lexstack.hqp
 from lexstack.hqp import (
     Damper,
     HqpProblem,
     HqpSolver,
     NearSingular,
     Solution,
-    blocked,
-    describe,
     near_singularity,
     refusal,
 )
@@ -195,9 +194,9 @@ class Controller:
         bounds, chi = self._problem.bounds, self._warm.chi
         if min(float((chi - bounds.lower).min()), float((bounds.upper - chi).min())) > _TOUCH:
             return ""
-        levels = blocked(self._problem, self._warm)
+        levels = lexstack.hqp.blocked(self._problem, self._warm)  # loads scipy.optimize, when asked
         held = [b for b in levels if any(obstacle.joint >= 0 for obstacle in b.obstacles)]
-        return describe(held, self._team.joint_names)
+        return lexstack.hqp.describe(held, self._team.joint_names)
 
 
 def checked(solution: Solution, bounds: Bounds) -> tuple[Vector, str]:
