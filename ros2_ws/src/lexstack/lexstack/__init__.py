@@ -86,6 +86,7 @@ if TYPE_CHECKING:
     )
     from lexstack.transition import (
         METHODS,
+        Announcement,
         Phase,
         SourceSample,
         SourceSchedule,
@@ -109,8 +110,8 @@ else:
             "robots": "Kinematics ObstacleConfig Obstacles Pose RobotConfig "
             "RobotModel Team mobile_manipulator",
             "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack",
-            "transition": "METHODS Phase SourceSample SourceSchedule Transition "
-            "TransitionConfig TransitionOptions TransitionState",
+            "transition": "METHODS Announcement Phase SourceSample SourceSchedule "
+            "Transition TransitionConfig TransitionOptions TransitionState",
             "types": "LinearTask Matrix RobotState Vector",
         },
     )
@@ -122,6 +123,7 @@ __all__ = [
     "SOLVERS",
     "ST_ARCH",
     "TASKS",
+    "Announcement",
     "Bounds",
     "Command",
     "ConfigurationError",
