@@ -1,7 +1,6 @@
 """docs/tasks.md: its tables name what there is, and its example is a task that works."""
 
 import dataclasses
-import importlib
 import re
 import sys
 import typing
@@ -36,7 +35,7 @@ def table(heading):
 
 def parameters_of(kind):
     """Return the dataclass of a task's parameters."""
-    module = importlib.import_module(TASKS[kind].__module__)
+    module = sys.modules[TASKS[kind].__self__.__module__]
     (found,) = (
         value
         for name, value in vars(module).items()
