@@ -157,7 +157,7 @@ class Controller:
     def prepare(self, state: RobotState) -> None:
         """Decide the references of a state's tick, unless that is done.
 
-        The first ones are the measured poses where the scenario gives none.
+        The first ones are the measured poses where none are given.
         """
         if not self.references.begun:
             self.references.begin(measured(self._team, state.q))

@@ -157,7 +157,7 @@ class ObstacleConfig:
     Its centre is at position + velocity t + swing (1 - cos(2 pi t / period)) / 2.
     """
 
-    position: Vector3  # m, of its centre at the scenario's start, world frame
+    position: Vector3  # m, of its centre at time 0, world frame
     radius: float  # m
     velocity: Vector3 = (0.0, 0.0, 0.0)  # m/s, constant
     swing: Vector3 = (0.0, 0.0, 0.0)  # m, how far it goes beside that, and comes back

@@ -1,4 +1,4 @@
-"""The schema of sequences of tasks in a scenario: what the HTMPC executes."""
+"""What a sequence is built from: the tasks that the HTMPC executes on one robot."""
 
 from __future__ import annotations
 
