@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 """An array of one dimension."""
-
 Matrix = NDArray[np.float64]
 """An array of two dimensions."""
 

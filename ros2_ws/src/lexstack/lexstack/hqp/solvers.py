@@ -26,7 +26,7 @@ SOLVERS: dict[str, SolverFactory] = {
 """The solvers by the name that a configuration uses; the first is the default."""
 
 DEFAULT_SOLVER = "daqp"
-"""The one that is used where none is named."""
+"""The solver of whoever names none."""
 
 
 def make_solver(name: str = DEFAULT_SOLVER) -> HqpSolver:

@@ -101,10 +101,9 @@ class Bases:
 
 
 POSES = Poses()
-"""How set-points of tools fade."""
-
+"""How references of tools are compared and led in."""
 BASES = Bases()
-"""How set-points of platforms fade."""
+"""How references of bases are compared and led in."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

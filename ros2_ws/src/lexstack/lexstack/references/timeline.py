@@ -9,9 +9,8 @@ from lexstack.references.values import References
 from lexstack.robots import Pose
 from lexstack.types import Vector
 
-ROUNDING = 1e-9
-"""Stamps that differ by less are one time [s]."""
-
+ROUNDING = 1e-9  # s, of stamps
+"""Stamps that differ by less are the same [s]."""
 _MOST = 256  # decisions that are kept, for one that is to come or late
 
 

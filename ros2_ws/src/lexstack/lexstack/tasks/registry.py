@@ -18,4 +18,4 @@ TASKS: dict[str, TaskFactory] = {
     "posture": Posture.from_config,
     "relative_pose": RelativePose.from_config,
 }
-"""What makes each task, by its type."""
+"""How each task is made, by the type that stack files name."""

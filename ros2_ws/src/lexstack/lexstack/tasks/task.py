@@ -28,5 +28,6 @@ class Task(Protocol):
         ...
 
 
+# (team, robot's place in it, parameters of the stack file, where they stand) -> task
 TaskFactory = Callable[[Team, int, dict[str, Any], str], Task]
-"""(team, robot's place in it, parameters of the stack, where they stand) -> task."""
+"""Makes the task of one robot: team, place of the robot in it, parameters, origin for errors."""

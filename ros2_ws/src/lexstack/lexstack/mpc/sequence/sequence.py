@@ -28,10 +28,9 @@ class Architecture:
 
 
 HT_ARCH = Architecture(levels=2, decoupled=False)
-"""Two tasks at a time, in their order, with the whole robot."""
-
+"""Two tasks at a time, the whole robot for both."""
 ST_ARCH = Architecture(levels=1, decoupled=True)
-"""One task at a time, with the arm or with the platform."""
+"""One task at a time, with arm and base apart."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
