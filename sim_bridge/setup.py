@@ -21,6 +21,7 @@ setup(
     install_requires=[
         "coal",
         "lexstack",
+        "lexstack-config",
         "mujoco>=4.0",
         "numpy>=2",
         "pin>=4.1",

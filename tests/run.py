@@ -22,6 +22,7 @@ CHECKS = {
     "types": ["mypy", "--no-error-summary"],
     "architecture": ["lint-imports"],
     "documents": ["scripts/docs"],
+    "dependencies": [sys.executable, "tests/dependencies.py"],
 }
 
 

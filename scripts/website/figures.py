@@ -14,9 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from lexstack.hqp import HqpProblem, make_solver
-from lexstack.limits.viable_bounds import Bounds, JointLimits, viable_bounds
-from lexstack.transition.gap_motion import Carry
-from lexstack.transition.profiles import alpha
+from lexstack.limits import Bounds, JointLimits, viable_bounds
+from lexstack.transition import Carry, alpha
 from lexstack.types import LinearTask
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "images" / "equations"

@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from lexstack.robots import Team
-from lexstack.robots.assembly import BASE_JOINTS
-from lexstack.robots.robot import ARM
+from lexstack.robots import ARM, BASE_JOINTS, Team
 from lexstack.types import Vector
 
 

@@ -12,8 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from lexstack.robots import RobotModel
-from lexstack.robots.assembly import description_path
+from lexstack.robots import RobotModel, description_path
 from lexstack.types import Matrix, Vector
 
 

@@ -6,9 +6,8 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from lexstack.config.plant import PlantConfig
-from lexstack.robots import RobotModel, Team
-from lexstack.robots.robot import ARM
+from lexstack.robots import ARM, RobotModel, Team
+from lexstack_config.plant import PlantConfig
 from lexstack_sim.world import body_name, joint_name
 
 # MuJoCo's friction creeps under a steady load; this near to 1 it hardly does.

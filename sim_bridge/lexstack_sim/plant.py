@@ -7,12 +7,12 @@ import copy
 import mujoco
 import numpy as np
 
-from lexstack.config.plant import PushConfig
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.errors import ConfigurationError, InputError
 from lexstack.robots import Team
-from lexstack.state import RobotState
-from lexstack.types import Vector
+from lexstack.types import RobotState, Vector
+from lexstack_config.parts import home_of
+from lexstack_config.plant import PushConfig
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_sim.contacts import touching
 from lexstack_sim.impedance import ImpedanceLoop, per_joint
 from lexstack_sim.payload_friction import add_burden
@@ -59,7 +59,7 @@ class Plant:
                 f"{1e3 * PHYSICS_PERIOD:g} ms, got {1e3 * self.period:g} ms"
             )
         self._watchdog = round(scenario.timeouts.watchdog / self.period)  # ticks
-        self._home = team.home(resolved)
+        self._home = home_of(team, resolved)
         self._distance = per_joint(team, "q_star_distance", "q_star_distance")
         self._step_limit = team.limits.acceleration * self.period
         self.world = build_world(team)

@@ -14,10 +14,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.errors import LexstackError
 from lexstack.robots import Pose, Team
 from lexstack.types import Vector
+from lexstack_config.parts import build_team
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_sim.world import build_world
 
 _SPHERE, _CAPSULE = mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE
@@ -58,7 +59,7 @@ def snapshots(
     Raises:
         RenderError: neither EGL nor OSMesa works here.
     """
-    team = Team.from_scenario(resolved)
+    team = build_team(resolved)
     with Renderer(team, size) as renderer:
         renderer.frame(qs, [pose for poses in targets or () for pose in poses.values()])
         return [

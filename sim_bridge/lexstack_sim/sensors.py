@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.config.plant import PlantConfig
-from lexstack.robots import Team
-from lexstack.robots.robot import ARM, BASE
+from lexstack.robots import ARM, BASE, Team
 from lexstack.types import Vector
+from lexstack_config.plant import PlantConfig
 
 
 @dataclass(slots=True)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
-from lexstack.robots import RobotModel
-from lexstack.robots.assembly import BASE_JOINTS, build_base, description_path
+from lexstack.robots import BASE_JOINTS, RobotModel, build_base, description_path
 
 
 def robot_urdf(robot: RobotModel) -> str:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from lexstack.config.checks import shown
 from lexstack.errors import InputError
+from lexstack.options import shown
 from lexstack.robots import RobotModel
 from lexstack.types import Vector
 from lexstack_sim.world import body_name

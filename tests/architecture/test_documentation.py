@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from lexstack.config.plant import PlantConfig, PushConfig
-from lexstack.config.scenario import EventConfig, ScenarioConfig, TransitionConfig
-from lexstack.config.stream import StreamConfig
+from lexstack.transition import TransitionConfig
+from lexstack_config.plant import PlantConfig, PushConfig
+from lexstack_config.scenario import EventConfig, ScenarioConfig
+from lexstack_config.stream import StreamConfig
 
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"

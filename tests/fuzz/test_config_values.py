@@ -8,10 +8,10 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack.config.reader import build
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.control.factory import Parts, build_controller
 from lexstack.errors import ConfigurationError, LexstackError
+from lexstack_config.parts import Parts, build_controller
+from lexstack_config.reader import build
+from lexstack_config.resolved import ResolvedScenario
 from support.fuzz_config import KINDS, check_line, check_short
 from support.scenario import CONFIG, resolved
 
@@ -67,7 +67,7 @@ def test_any_value_anywhere_is_taken_or_refused_in_one_line(data):
 @given(st.data())
 def test_what_the_schema_takes_becomes_a_controller_or_is_refused(data):
     """Values that are formally right but senseless do not crash what is built from them."""
-    from lexstack.config.reader import plain
+    from lexstack_config.reader import plain
 
     tree = plain(resolved())
     path = data.draw(st.sampled_from(list(places(tree))))

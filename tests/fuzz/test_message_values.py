@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from std_msgs.msg import String
 
 from lexstack.errors import InputError
-from lexstack.state import RobotState
+from lexstack.types import RobotState
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest
 from lexstack_interfaces.srv import ApplyWrench, SwitchStack
 from lexstack_ros.messages import conversions

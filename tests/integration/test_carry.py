@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from lexstack.config.resolved import load_scenario
-from lexstack.control.factory import build_references
-from lexstack.tasks.frame_pose import pose_error
-from lexstack.tasks.relative_pose import other_end
-from lexstack.transition.messages import Phase
+from lexstack.tasks import other_end, pose_error
+from lexstack.transition import Phase
+from lexstack_config.parts import build_references
+from lexstack_config.resolved import load_scenario
 from lexstack_experiments.loop import Loop, targets_of
 from lexstack_experiments.runs import Measured
 from support.scenario import CONFIG

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from lexstack.transition.methods import METHODS
+from lexstack.transition import METHODS
 from lexstack_experiments.benches import BENCHES
 from lexstack_experiments.commands import bench, experiment
 from lexstack_experiments.experiments import EXPERIMENTS, method_cases, transition_methods

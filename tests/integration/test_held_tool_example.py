@@ -6,10 +6,10 @@ import re
 import numpy as np
 import pytest
 
-from lexstack.config.reader import build
-from lexstack.config.resolved import load_scenario
-from lexstack.config.scenario import EventConfig
-from lexstack.config.sequence import SequenceConfig
+from lexstack.mpc import SequenceConfig
+from lexstack_config.reader import build
+from lexstack_config.resolved import load_scenario
+from lexstack_config.scenario import EventConfig
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.planned_loop import PlannedLoop
 from support.scenario import CONFIG, ROOT

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lexstack.config.resolved import load_scenario
-from lexstack.config.scenario import EventConfig
-from lexstack.transition.messages import Phase
+from lexstack.transition import Phase
+from lexstack_config.resolved import load_scenario
+from lexstack_config.scenario import EventConfig
 from lexstack_experiments.loop import Loop
 from lexstack_sim.obstacles import Clearance
 from support.scenario import CONFIG

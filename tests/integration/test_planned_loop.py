@@ -6,8 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from lexstack.config.resolved import load_scenario
-from lexstack.transition.messages import Source
+from lexstack.transition import Source
+from lexstack_config.resolved import load_scenario
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.planned_loop import PlannedLoop
 from support.scenario import CONFIG

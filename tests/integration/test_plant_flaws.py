@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lexstack.config.plant import PlantConfig, PushConfig
 from lexstack.errors import ConfigurationError, LexstackError
-from lexstack.robots.robot import ARM
+from lexstack.robots import ARM
+from lexstack_config.plant import PlantConfig, PushConfig
 from lexstack_sim.plant import Plant
 from support.plants import make_plant, sine
 from support.scenario import changed, team

@@ -6,10 +6,11 @@ import itertools
 import numpy as np
 import pytest
 
-from lexstack.config.resolved import load_robot
-from lexstack.config.scenario import EventConfig
 from lexstack.errors import ConfigurationError
-from lexstack.robots import RobotModel, Team
+from lexstack.robots import RobotModel
+from lexstack_config.parts import build_team
+from lexstack_config.resolved import load_robot
+from lexstack_config.scenario import EventConfig
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from support.scenario import CONFIG, changed
@@ -25,7 +26,7 @@ def peaks(posture):
         for time, stack in zip(AT, ("reach_base", posture, "reach_base"), strict=True)
     )
     resolved = changed(events=events, duration=END)
-    team = Team.from_scenario(resolved)
+    team = build_team(resolved)
     record = Loop(resolved, IdealPlant(resolved, team)).run()
     chi = np.array([command.chi for command in record.commands])
     ratio = np.abs(np.diff(chi, axis=0)) / (team.dt * team.limits.acceleration)

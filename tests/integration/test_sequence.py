@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from lexstack.control.factory import build_references
-from lexstack.tasks.frame_pose import pose_error
-from lexstack.transition.messages import Phase
+from lexstack.tasks import pose_error
+from lexstack.transition import Phase
+from lexstack_config.parts import build_references
 from lexstack_experiments.loop import Loop, targets_of
 from support.scenario import resolved
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from lexstack.limits.limit_timing import Motion
-from lexstack.limits.viable_bounds import JointLimits
+from lexstack.limits import JointLimits, Motion
 from lexstack_bag.figures.limits import limits_in_force
 from lexstack_bag.figures.series import COMMANDER
 from lexstack_experiments.experiments.sudden_limits_cases import cases, laws

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack.limits.limit_transition import LimitBlend, Motion
-from lexstack.limits.viable_bounds import JointLimits, target_bounds, viable_bounds
+from lexstack.limits import JointLimits, LimitBlend, Motion, target_bounds, viable_bounds
 
 N = 20
 OUTSIDE = 1e-9

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack.limits.limits_in_force import LimitOptions, LimitsInForce
-from lexstack.limits.viable_bounds import JointLimits, is_viable
-from lexstack.state import RobotState
+from lexstack.limits import JointLimits, LimitOptions, LimitsInForce, is_viable
+from lexstack.types import RobotState
 
 N = 20
 TICKS = 150

@@ -6,9 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from lexstack.limits import stopping
-from lexstack.limits.jerk_bounds import JerkLaw
-from lexstack.limits.viable_bounds import JointLimits, approach_speed, is_viable, viable_bounds
+from lexstack.limits import JerkLaw, JointLimits, approach_speed, is_viable, stopping, viable_bounds
 
 N = 20
 OUTSIDE = 1e-9

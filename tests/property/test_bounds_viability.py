@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack.limits.viable_bounds import JointLimits, target_bounds, viable_bounds
+from lexstack.limits import JointLimits, target_bounds, viable_bounds
 
 N = 20
 ROUNDING = 1e-12

@@ -8,13 +8,16 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from lexstack.hqp import HqpProblem, make_solver
-from lexstack.hqp.backends.daqp import DaqpCascade
-from lexstack.hqp.backends.proxqp import ProxqpCascade
-from lexstack.hqp.backends.quadprog import QuadprogCascade
+from lexstack.hqp import (
+    DaqpCascade,
+    Hierarchy,
+    HqpProblem,
+    ProxqpCascade,
+    QuadprogCascade,
+    make_solver,
+)
 from lexstack.hqp.columns import column_powers
-from lexstack.hqp.hierarchy import Hierarchy
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask
 from support.exact import exact_optimum, exact_slacks
 from support.integers import SCALES, integer_problem, shape

@@ -7,12 +7,11 @@ and back. There level 2 wants joint velocities without limit.
 import numpy as np
 import pytest
 
-from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
 from lexstack.hqp import HqpProblem, make_solver
-from lexstack.limits.viable_bounds import JointLimits, viable_bounds
+from lexstack.limits import JointLimits, viable_bounds
 from lexstack.references import References
 from lexstack.robots import Pose
-from lexstack.tasks.stack import build_stack
+from lexstack.tasks import LevelConfig, StackConfig, TaskConfig, build_stack
 from lexstack_experiments.hierarchies.certificate import certified_excess
 from support.scenario import home, state_at, team
 

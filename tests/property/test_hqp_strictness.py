@@ -5,10 +5,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from lexstack.hqp import HqpProblem, Solution, Status
-from lexstack.hqp.backends.daqp import DaqpCascade
-from lexstack.hqp.backends.proxqp import ProxqpCascade
-from lexstack.hqp.backends.quadprog import QuadprogCascade
+from lexstack.hqp import DaqpCascade, HqpProblem, ProxqpCascade, QuadprogCascade, Solution, Status
 from lexstack_experiments.hierarchies.random_problems import SINGULAR, problems
 from lexstack_experiments.hierarchies.score import score
 from support.oracle import lexicographic_oracle

@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack.mpc import Outcome
+from lexstack.mpc import Outcome, Task
 from lexstack.mpc.lexicographic_constraints import Guard
-from lexstack.mpc.tracking_objectives import Task
 from support.htmpc import ROBOTS, optimiser, random_objectives, random_start
 
 SEEDS = st.integers(0, 2**31 - 1)

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lexstack.config.scenario import TransitionConfig
-from lexstack.config.stack import JointLimitConfig
-from lexstack.control.factory import Parts, build_controller
-from lexstack.limits.limits_in_force import LimitOptions, LimitsInForce
+from lexstack.limits import LimitOptions, LimitsInForce
+from lexstack.tasks import JointLimitConfig
+from lexstack.transition import TransitionConfig
+from lexstack_config.parts import Parts, build_controller
 from lexstack_experiments.experiments.sudden_limits_runs import Watched
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop

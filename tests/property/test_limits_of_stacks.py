@@ -7,10 +7,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lexstack.config.resolved import load_scenario
 from lexstack.errors import ModelError
-from lexstack.tasks.stack import joined
-from lexstack.transition.messages import Phase
+from lexstack.tasks import joined
+from lexstack.transition import Phase
+from lexstack_config.resolved import load_scenario
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from support.channels import ROBOTS, parts

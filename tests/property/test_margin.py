@@ -5,15 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
 from lexstack.hqp import Damper, HqpProblem
 from lexstack.hqp.bend import Bend
 from lexstack.hqp.groups import groups_of
 from lexstack.hqp.margin import Margin
-from lexstack.limits.viable_bounds import target_bounds
+from lexstack.limits import target_bounds
 from lexstack.references import References
 from lexstack.robots import Pose
-from lexstack.tasks.stack import build_stack
+from lexstack.tasks import LevelConfig, StackConfig, TaskConfig, build_stack
 from support.scenario import home, random_q, state_at, team
 
 STACKS = {

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from lexstack.control.factory import Parts, build_controller
 from lexstack.hqp import Damper, HqpProblem, make_solver
-from lexstack.limits.viable_bounds import viable_bounds
+from lexstack.limits import viable_bounds
 from lexstack.references import References, Target
 from lexstack.robots import Pose
-from lexstack.tasks.stack import build_stack
+from lexstack.tasks import build_stack
+from lexstack_config.parts import Parts, build_controller
 from lexstack_experiments.experiments.reach_cases import (
     KINDS,
     Case,

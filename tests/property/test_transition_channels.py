@@ -5,9 +5,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lexstack.config.scenario import TransitionConfig
 from lexstack.references import Target
-from lexstack.transition.messages import Phase, Source
+from lexstack.transition import Phase, Source, TransitionConfig
 from support.channels import BASES, ROBOTS, chi_of, loop, silent_for, state_of
 from support.scenario import home, team
 

@@ -11,10 +11,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lexstack.config.scenario import TransitionConfig
-from lexstack.limits.limits_in_force import LimitsInForce
-from lexstack.limits.viable_bounds import is_viable
-from lexstack.transition.messages import Source
+from lexstack.limits import LimitsInForce, is_viable
+from lexstack.transition import Source, TransitionConfig
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from support.scenario import changed, home, team

@@ -11,9 +11,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from lexstack.config.scenario import TransitionConfig
 from lexstack.hqp import HqpProblem
-from lexstack.limits.viable_bounds import viable_bounds
+from lexstack.limits import viable_bounds
+from lexstack.transition import TransitionConfig
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.links import Delayed
 from lexstack_experiments.loop import Loop

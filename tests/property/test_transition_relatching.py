@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from lexstack.transition.messages import Source
+from lexstack.transition import Source
 from support.scenario import team
 from support.trains import Train, random_train, run, still_blending, ways
 

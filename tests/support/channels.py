@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.control.factory import Parts
-from lexstack.transition.messages import SourceSample, TransitionState
+from lexstack.transition import SourceSample, TransitionState
+from lexstack_config.parts import Parts
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiments import relatching_trains
 from lexstack_experiments.experiments.relatching_trains import BASES, ROBOTS
 from lexstack_experiments.ideal import IdealPlant

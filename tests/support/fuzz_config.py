@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from lexstack.config.htmpc import HtmpcConfig
-from lexstack.config.reader import build, parse_yaml
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.robot import RobotConfig
-from lexstack.config.scenario import ScenarioConfig
-from lexstack.config.stack import StackConfig
 from lexstack.errors import ConfigurationError
+from lexstack.mpc import HtmpcConfig
+from lexstack.robots import RobotConfig
+from lexstack.tasks import StackConfig
 from lexstack_bringup.hosts import HostsConfig
+from lexstack_config.reader import build, parse_yaml
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.scenario import ScenarioConfig
 from support.scenario import CONFIG, resolved
 
 KINDS = {

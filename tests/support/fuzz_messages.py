@@ -12,9 +12,9 @@ from geometry_msgs.msg import PoseStamped
 from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import String
 
-from lexstack.control.controller import Controller
+from lexstack.control import Controller
 from lexstack.errors import LexstackError
-from lexstack.state import RobotState
+from lexstack.types import RobotState
 from lexstack_experiments.loop import Loop
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest
 from lexstack_interfaces.srv import ApplyWrench, SwitchStack

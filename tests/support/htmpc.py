@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from lexstack.config.htmpc import HtmpcConfig, load_htmpc
-from lexstack.config.resolved import load_robot
-from lexstack.mpc import Htmpc, Objective, Start
+from lexstack.mpc import Htmpc, HtmpcConfig, Objective, Start
 from lexstack.robots import RobotModel
+from lexstack_config.resolved import load_htmpc, load_robot
 from support.scenario import CONFIG
 
 ROBOTS = ("ur10_ridgeback", "panda_summit")

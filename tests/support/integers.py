@@ -3,7 +3,7 @@
 import numpy as np
 
 from lexstack.hqp import HqpProblem
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask
 
 SCALES = ("one", "levels", "rows", "weights", "dense")

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from lexstack.config.resolved import ResolvedScenario, load_robot
-from lexstack.config.robot import FrameConfig
-from lexstack.robots import Team
+from lexstack.robots import FrameConfig, Team
+from lexstack_config.parts import build_team
+from lexstack_config.resolved import ResolvedScenario, load_robot
 from support.scenario import CONFIG, resolved
 
 _DESCRIPTION = "lift.urdf"
@@ -79,4 +79,4 @@ def lift_scenario(patch: pytest.MonkeyPatch, folder: Path) -> ResolvedScenario:
 
 def lift_team(patch: pytest.MonkeyPatch, folder: Path) -> Team:
     """Return that robot as a team of one."""
-    return Team.from_scenario(lift_scenario(patch, folder))
+    return build_team(lift_scenario(patch, folder))

@@ -15,11 +15,11 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 from rosbags.highlevel import AnyReader
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack_bringup.domain import own_domain
 from lexstack_bringup.player import PLAYER, Player
 from lexstack_bringup.processes import bring_up, nodes_of
 from lexstack_bringup.supervisor import Supervisor
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_ros.node.readiness import is_connected
 from support.scenario import SCENARIO, changed
 

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario, load_scenario
 from lexstack.robots import Team
-from lexstack.state import RobotState
+from lexstack.types import RobotState
+from lexstack_config.parts import build_team, home_of
+from lexstack_config.resolved import ResolvedScenario, load_scenario
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = ROOT / "config"
@@ -27,7 +28,7 @@ def resolved() -> ResolvedScenario:
 @cache
 def team() -> Team:
     """Return its two robots."""
-    return Team.from_scenario(resolved())
+    return build_team(resolved())
 
 
 def changed(**values: Any) -> ResolvedScenario:
@@ -39,7 +40,7 @@ def changed(**values: Any) -> ResolvedScenario:
 
 def home() -> np.ndarray:
     """Return where it starts."""
-    return team().home(resolved())
+    return home_of(team(), resolved())
 
 
 def state_at(q: np.ndarray, command: np.ndarray | None = None, tick: int = 0) -> RobotState:

@@ -22,7 +22,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
-from lexstack.config.scenario import TimeoutsConfig
+from lexstack_config.scenario import TimeoutsConfig
 from lexstack_interfaces.msg import Chi, PlantState
 from lexstack_interfaces.srv import ApplyWrench
 from lexstack_ros.messages.qos import LATCHED, STREAM

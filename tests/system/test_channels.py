@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.config.scenario import EventConfig
-from lexstack.robots import Team
 from lexstack_bag.figures.phases import find_phases
 from lexstack_bag.run.reader import read_run
+from lexstack_config.parts import build_team
+from lexstack_config.scenario import EventConfig
 from lexstack_interfaces.msg import TransitionStatus
 from support.processes import acceleration_ratio, read, running
 from support.scenario import resolved
@@ -99,7 +99,7 @@ def test_robot_b_sends_a_chi_for_each_transition_and_tick(bag):
 
 
 def test_the_command_keeps_its_limits_and_the_bag_knows_the_phases(bag):
-    limits = Team.from_scenario(scenario()).limits
+    limits = build_team(scenario()).limits
     assert acceleration_ratio(bag, limits.acceleration, 0.01) <= 1.0 + 1e-9
     run = read_run(bag)
     first, left, right = find_phases(run)

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import PoseStamped
 
-from lexstack.config.resolved import load_scenario
-from lexstack.robots import Team
-from lexstack.spatial import to_quaternion
+from lexstack.robots import to_quaternion
 from lexstack_bringup.processes import MODULES
+from lexstack_config.parts import build_team
+from lexstack_config.resolved import load_scenario
 from lexstack_experiments.experiment import Options
 from lexstack_experiments.experiments import faults
 from lexstack_experiments.experiments.fault_cuts import CUTS
@@ -170,7 +170,7 @@ def test_a_robot_b_that_starts_anew_knows_the_targets_of_before(tmp_path):
         rig.until(lambda: moved.get_subscription_count() >= 2, "listeners")
         rig.wait(lambda: False, 0.5)
         pose = PoseStamped()
-        start = Team.from_scenario(scenario).tools(np.asarray(rig.state.q))[0]
+        start = build_team(scenario).tools(np.asarray(rig.state.q))[0]
         place, turn = pose.pose.position, pose.pose.orientation
         place.x, place.y, place.z = (start.position + np.array([0.0, 0.0, 0.1])).tolist()
         turn.x, turn.y, turn.z, turn.w = to_quaternion(start.rotation).tolist()

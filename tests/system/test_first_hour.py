@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from lexstack.config.resolved import load_scenario
+from lexstack_config.resolved import load_scenario
 from support.code_blocks import HEREDOC, all_blocks
 from support.processes import running
 from support.scenario import CONFIG

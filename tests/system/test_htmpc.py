@@ -12,7 +12,6 @@ import pytest
 from rclpy.action import ActionClient
 from std_msgs.msg import String
 
-from lexstack.config.resolved import load_scenario
 from lexstack.mpc import SequenceTask
 from lexstack_bag.figures.figures import compute_metrics
 from lexstack_bag.figures.phases import find_phases
@@ -22,6 +21,7 @@ from lexstack_bag.replay.nodes import REPLAYERS, Question
 from lexstack_bag.report import sequences
 from lexstack_bag.run.reader import read_run
 from lexstack_bringup.processes import PLANNERS
+from lexstack_config.resolved import load_scenario
 from lexstack_experiments.planned_loop import PlannedLoop
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import SequenceStatus, TransitionStatus

@@ -16,9 +16,9 @@ import yaml
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
-from lexstack.config.resolved import load_scenario
 from lexstack_bag.run.reader import read_run
 from lexstack_bringup.domain import own_domain
+from lexstack_config.resolved import load_scenario
 
 ROOT = Path(__file__).resolve().parents[2]
 COUNT = 1500

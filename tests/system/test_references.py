@@ -12,11 +12,10 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool
 
-from lexstack.config.resolved import load_scenario
-from lexstack.config.scenario import PoseConfig
-from lexstack.robots import Pose
-from lexstack.spatial import to_quaternion
+from lexstack.robots import Pose, to_quaternion
 from lexstack_bringup.processes import NODES
+from lexstack_config.resolved import load_scenario
+from lexstack_config.scenario import PoseConfig
 from lexstack_interfaces.msg import Chi, PlantState, References
 from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import LATCHED, STREAM

@@ -17,13 +17,13 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from std_srvs.srv import Trigger
 
-from lexstack.config.scenario import EventConfig, PoseConfig
 from lexstack_bag.commands import replay as command
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.nodes import REPLAYERS, Question, recorded_nodes, replay_controller
 from lexstack_bag.run.reader import read_run
 from lexstack_bringup.commands import replay as ros_command
 from lexstack_bringup.domain import own_domain
+from lexstack_config.scenario import EventConfig, PoseConfig
 from lexstack_interfaces.msg import TransitionStatus
 from support.processes import running, short_scenario
 

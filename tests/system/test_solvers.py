@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.config.resolved import load_scenario
-from lexstack.config.scenario import EventConfig
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.nodes import Question, replay_controller, replay_solver
 from lexstack_bag.run.partial_chi import joined
 from lexstack_bag.run.reader import read_run
+from lexstack_config.resolved import load_scenario
+from lexstack_config.scenario import EventConfig
 from lexstack_experiments.loop import Loop
 from lexstack_interfaces.msg import TransitionStatus
 from support.processes import chi_by_tick, read, running

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lexstack.errors import ModelError
-from lexstack.limits.viable_bounds import (
+from lexstack.limits import (
     Bounds,
     JointLimits,
     approach_speed,

@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from lexstack.limits.jerk_bounds import JerkLaw
+from lexstack.limits import JerkLaw, JointLimits, viable_bounds
 from lexstack.limits.stopping import look_ahead
-from lexstack.limits.viable_bounds import JointLimits, viable_bounds
 from support.scenario import team
 
 INF = math.inf

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from lexstack.limits.limit_transition import LimitBlend, Motion
-from lexstack.limits.viable_bounds import Bounds, JointLimits, viable_bounds
-from lexstack.state import RobotState
+from lexstack.limits import Bounds, JointLimits, LimitBlend, Motion, viable_bounds
+from lexstack.types import RobotState
 from lexstack_experiments.baselines.bounds import EmptyBoxes, t31, t34
 from lexstack_experiments.baselines.printed_law import PrintedLaw
 

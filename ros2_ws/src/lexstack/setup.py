@@ -7,7 +7,7 @@ PACKAGE = "lexstack"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Control core of lexstack: models, tasks, bounds, hierarchical QP, transitions.",
+    description="Strict hierarchical QP control, smooth stack transitions, lexicographic MPC.",
     license="Apache-2.0",
     maintainer="The lexstack authors",
     maintainer_email="lexstack@users.noreply.github.com",
@@ -19,12 +19,13 @@ setup(
         (f"share/{PACKAGE}", ["package.xml"]),
     ],
     install_requires=[
+        "casadi>=3.7",
         "daqp>=0.11",
+        "example-robot-data>=4.4",
         "numpy>=2",
         "pin>=4.1",
         "proxsuite>=0.8",
         "quadprog>=0.1.13",
-        "PyYAML>=6",
         "scipy>=1.13",
     ],
     zip_safe=False,

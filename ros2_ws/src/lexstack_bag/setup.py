@@ -22,6 +22,10 @@ setup(
         "imageio-ffmpeg",
         "jinja2>=3.1",
         "lexstack",
+        "lexstack-config",
+        "lexstack-sim",
+        "markupsafe",
+        "matplotlib",
         "mcap>=1.2",
         "numpy>=2",
         "pillow",
@@ -31,5 +35,6 @@ setup(
         "trimesh>=5.2",
         "zstandard",
     ],
+    extras_require={"parquet": ["pyarrow"]},  # bags as tables
     zip_safe=False,
 )

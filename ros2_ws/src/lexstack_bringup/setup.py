@@ -21,6 +21,8 @@ setup(
     install_requires=[
         "lexstack",
         "lexstack-bag",
+        "lexstack-config",
+        "lexstack-plant",
         "lexstack-ros",
         "numpy>=2",
         "PyYAML>=6",

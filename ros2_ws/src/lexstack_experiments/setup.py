@@ -19,11 +19,27 @@ setup(
         (f"share/{PACKAGE}", ["package.xml"]),
     ],
     install_requires=[
-        "lexstack-bag",
+        "casadi>=3.7",
+        "daqp>=0.11",
         "lexstack",
+        "lexstack-bag",
+        "lexstack-bringup",
+        "lexstack-config",
         "lexstack-sim",
+        "lexstack-testing",
+        "matplotlib",
         "numpy>=2",
+        "pillow",
+        "pin>=4.1",
+        "proxsuite>=0.8",
+        "PyYAML>=6",
+        "quadprog>=0.1.13",
+        "rosbags>=0.11",
+        "scipy>=1.13",
     ],
-    extras_require={"peers": ["pin-pink>=4", "piqp>=0.6"]},  # measured beside our solver
+    extras_require={
+        "gurobi": ["gurobipy"],  # the solver of the authors of H; it needs a licence
+        "peers": ["pin-pink>=4", "piqp>=0.6"],  # measured beside our solver
+    },
     zip_safe=False,
 )

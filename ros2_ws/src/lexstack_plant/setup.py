@@ -20,6 +20,7 @@ setup(
     ],
     install_requires=[
         "lexstack",
+        "lexstack-config",
         "lexstack-ros",
         "lexstack-sim",
         "numpy>=2",

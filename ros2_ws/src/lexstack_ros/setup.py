@@ -19,8 +19,10 @@ setup(
         (f"share/{PACKAGE}", ["package.xml"]),
     ],
     install_requires=[
-        "lexstack-bag",
         "lexstack",
+        "lexstack-bag",
+        "lexstack-config",
+        "lexstack-sim",
         "numpy>=2",
     ],
     entry_points={

@@ -20,9 +20,10 @@ setup(
     ],
     install_requires=[
         "lexstack",
-        "lexstack-bag",
         "lexstack-bringup",
+        "lexstack-config",
         "lexstack-ros",
+        "mcap>=1.2",
         "numpy>=2",
     ],
     zip_safe=False,

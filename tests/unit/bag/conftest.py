@@ -11,15 +11,16 @@ import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from lexstack.config.resolved import ResolvedScenario, load_robot
-from lexstack.config.scenario import PlacementConfig, ScenarioConfig, TransitionConfig
-from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
-from lexstack.robots import Team
+from lexstack.tasks import LevelConfig, StackConfig, TaskConfig
+from lexstack.transition import TransitionConfig
 from lexstack_bag.run.provenance import run_facts
 from lexstack_bag.storage.definitions import message_definition
 from lexstack_bag.storage.metadata import Qos, Topic
 from lexstack_bag.storage.presets import Storage
 from lexstack_bag.storage.writer import BagWriter
+from lexstack_config.parts import build_team, home_of
+from lexstack_config.resolved import ResolvedScenario, load_robot
+from lexstack_config.scenario import PlacementConfig, ScenarioConfig
 
 ROOT = Path(__file__).parents[3]
 RATE, TICKS, TRIGGER, ADOPTED, MISSING = 100, 400, 100, 200, 300
@@ -105,8 +106,8 @@ class Maker:
         self.writer = writer
         self.messages = Messages()
         self.counts: dict[str, int] = {}
-        self.team = Team.from_scenario(resolved)
-        self.home = self.team.home(resolved)
+        self.team = build_team(resolved)
+        self.home = home_of(self.team, resolved)
         self.log_time = EPOCH
 
     def put(self, topic: str, type_name: str, **fields: Any) -> None:

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.robots import Team
 from lexstack_bag.run.partial_chi import joined, robots_of
 from lexstack_bag.run.provenance import run_facts
 from lexstack_bag.run.reader import read_run
 from lexstack_bag.storage.writer import BagWriter
+from lexstack_config.parts import build_team
 
 from .conftest import Maker
 
@@ -98,7 +98,7 @@ def test_a_run_of_one_solver_is_left_alone(synthetic):
 
 
 def test_names_of_a_row(resolved):
-    team = Team.from_scenario(resolved)
+    team = build_team(resolved)
     assert robots_of("robot_b", team) == (1,)
     assert robots_of("robot_a robot_b", team) == (0, 1)
     assert robots_of("", team) == (0, 1), "bags of before have no names"

@@ -6,10 +6,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lexstack.config.resolved import load_scenario
-from lexstack.config.scenario import ObstacleConfig, PoseConfig
+from lexstack.robots import ObstacleConfig
 from lexstack_bag.figures.goals import summary_lines
 from lexstack_bag.report.tables import phases_table
+from lexstack_config.resolved import load_scenario
+from lexstack_config.scenario import PoseConfig
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.runs import Measured, changed

@@ -8,11 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from lexstack.config.htmpc import load_htmpc
-from lexstack.mpc import HT_ARCH, SequenceTask
-from lexstack.mpc.sequence.runner import Change, SequenceRunner
-from lexstack.robots import Team
-from lexstack.state import RobotState
+from lexstack.mpc import HT_ARCH, Change, SequenceRunner, SequenceTask
+from lexstack.types import RobotState
 from lexstack_bag.errors import BagError
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.planner import heard_plans, replay_planner
@@ -26,6 +23,8 @@ from lexstack_bag.run.run import (
     SequenceEvent,
     TransitionStream,
 )
+from lexstack_config.parts import build_team, home_of
+from lexstack_config.resolved import load_htmpc
 from support.scenario import CONFIG, changed
 
 DT, EVERY, TICKS = 0.01, 5, 300
@@ -49,11 +48,11 @@ def resolved():
 @cache
 def recorded():
     """Return a run with one robot's sequence, closed over an ideal plant."""
-    team = Team.from_scenario(resolved())
+    team = build_team(resolved())
     scenario = resolved().scenario
     blend = scenario.transition.duration
     runner = SequenceRunner(team, 1, resolved().htmpc["lexstack"], blend)
-    q = team.home(resolved())
+    q = home_of(team, resolved())
     state = RobotState(0, 0.0, q, np.zeros(team.n), q, np.zeros(team.n))
     states, plans, events = [], [], []
 

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.config.scenario import TransitionConfig
-from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
+from lexstack.tasks import LevelConfig, StackConfig, TaskConfig
+from lexstack.transition import TransitionConfig
 from lexstack_bag.figures.compare import compare_metrics
 from lexstack_bag.figures.figures import compute_metrics
 from lexstack_bag.figures.goals import goals_of, held_back, summary_lines

@@ -5,11 +5,16 @@ import copy
 import pytest
 import yaml
 
-from lexstack.config.reader import build
-from lexstack.config.resolved import ResolvedScenario, load_robot, load_scenario, load_stacks
-from lexstack.config.scenario import ScenarioConfig
-from lexstack.config.stack import StackConfig
 from lexstack.errors import ConfigurationError
+from lexstack.tasks import StackConfig
+from lexstack_config.reader import build
+from lexstack_config.resolved import (
+    ResolvedScenario,
+    load_robot,
+    load_scenario,
+    load_stacks,
+)
+from lexstack_config.scenario import ScenarioConfig
 from support.scenario import CONFIG, SCENARIO, resolved
 
 

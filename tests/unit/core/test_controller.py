@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from lexstack.config.scenario import TransitionConfig
 from lexstack.control.controller import checked
 from lexstack.hqp import Solution, Status
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from lexstack.references import Target
-from lexstack.transition.messages import Phase, Source, SourceSample
+from lexstack.transition import Phase, Source, SourceSample, TransitionConfig
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from support.scenario import changed, home, resolved

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from lexstack.config.scenario import TransitionConfig
 from lexstack.hqp import Solution, Status
-from lexstack.transition.messages import SourceSample
-from lexstack.transition.sources.mpc_plans import HeardPlan
+from lexstack.transition import HeardPlan, SourceSample, TransitionConfig
 from support.channels import loop, parts
 from support.scenario import home, team
 

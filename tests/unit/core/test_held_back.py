@@ -4,9 +4,8 @@ from functools import cache
 
 import numpy as np
 
-from lexstack.config.scenario import TransitionConfig
+from lexstack.transition import Phase, TransitionConfig
 from lexstack.transition.held_back import at_velocity_limit, held_back
-from lexstack.transition.messages import Phase
 from lexstack_bag.figures.goals import summary_lines
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from lexstack.limits.limits_in_force import LimitOptions, LimitsInForce
-from lexstack.limits.viable_bounds import JointLimits, viable_bounds
-from lexstack.state import RobotState
+from lexstack.limits import JointLimits, LimitOptions, LimitsInForce, viable_bounds
+from lexstack.types import RobotState
 
 DT = 0.01
 

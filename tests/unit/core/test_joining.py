@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack.control.stack_solver import share
-from lexstack.transition.messages import SourceSample
+from lexstack.control import share
+from lexstack.transition import SourceSample
 from lexstack.transition.sources.partial_samples import Joiner
 from support.scenario import team
 
@@ -63,7 +63,7 @@ def test_what_holds_all_that_is_needed_goes_through_as_it_is():
 
 
 def test_every_robot_has_one_solver_and_coupled_ones_share_the_first():
-    from lexstack.control.factory import Parts
+    from lexstack_config.parts import Parts
     from support.scenario import changed
 
     stacks = Parts.of(changed()).stacks

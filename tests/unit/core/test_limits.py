@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 import yaml
 
-from lexstack.config.reader import build
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.stack import StackConfig
 from lexstack.errors import ConfigurationError
-from lexstack.limits.limit_transition import LimitBlend, Motion
-from lexstack.limits.viable_bounds import JointLimits, viable_bounds
-from lexstack.tasks.stack import build_stack
+from lexstack.limits import JointLimits, LimitBlend, Motion, viable_bounds
+from lexstack.tasks import StackConfig, build_stack
+from lexstack_config.reader import build
+from lexstack_config.resolved import ResolvedScenario
 from support.scenario import CONFIG, resolved, team
 
 DT = 0.01

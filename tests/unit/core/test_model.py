@@ -6,10 +6,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lexstack.config.robot import FrameConfig
 from lexstack.errors import ConfigurationError, ModelError
-from lexstack.robots import RobotModel, Team
-from lexstack.robots.assembly import description_path
+from lexstack.robots import FrameConfig, RobotModel, Team, description_path
 from support.scenario import home, random_q, resolved, state_at, team
 
 RNG = np.random.default_rng(1)

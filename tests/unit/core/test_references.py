@@ -20,8 +20,7 @@ from lexstack.references import (
     decode,
     encode,
 )
-from lexstack.robots import Pose
-from lexstack.spatial import log3
+from lexstack.robots import Pose, log3
 
 DT = 0.01
 LEAD = 0.5

@@ -5,12 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lexstack.config.scenario import TransitionConfig
-from lexstack.control.factory import build_references
 from lexstack.references import Target
 from lexstack.robots import Pose
-from lexstack.transition.messages import Phase, Source
+from lexstack.transition import Phase, Source, TransitionConfig
 from lexstack.transition.relatch import LOSSES
+from lexstack_config.parts import build_references
 from lexstack_experiments.links import Delayed
 from support.channels import loop
 from support.scenario import home, team

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lexstack.spatial import from_quaternion, from_rpy, log3, to_quaternion, wrap
+from lexstack.robots import from_quaternion, from_rpy, log3, to_quaternion, wrap
 
 ANGLES = st.one_of(
     st.floats(0.0, np.pi),

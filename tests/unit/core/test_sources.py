@@ -6,13 +6,14 @@ import itertools
 import numpy as np
 import pytest
 
-from lexstack.control.stack_solver import StackSolver
+from lexstack.control import StackSolver
 from lexstack.references import Target
-from lexstack.transition.messages import Phase, Source, SourceSample
+from lexstack.transition import Phase, Source, SourceSample
 from lexstack.transition.sources.inbox import Sources
 from lexstack.transition.sources.partial_samples import Joiner
 from lexstack.transition.sources.residual_check import Witness
 from lexstack.types import LinearTask
+from lexstack_config.parts import transition_options
 from support.channels import loop, parts
 from support.scenario import changed, home, team
 
@@ -22,7 +23,7 @@ LEVEL = (LinearTask.equality("x", np.eye(2), np.array([3.0, 4.0])),)
 
 def sources(mode="lockstep"):
     local = StackSolver(team(), parts().stacks, None, 0.01)
-    return Sources(local, changed(mode=mode).scenario)
+    return Sources(local, transition_options(changed(mode=mode).scenario))
 
 
 def sample(tick, revision=None, *, value=0.0, solved=True):

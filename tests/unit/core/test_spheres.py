@@ -6,11 +6,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lexstack.config.reader import build
-from lexstack.config.robot import SphereConfig
-from lexstack.config.scenario import ObstacleConfig
 from lexstack.errors import ConfigurationError, ModelError
-from lexstack.robots import Obstacles, RobotModel
+from lexstack.robots import ObstacleConfig, Obstacles, RobotModel, SphereConfig
+from lexstack_config.reader import build
 from support.scenario import random_q, state_at, team
 
 STEP = 1e-6

@@ -5,11 +5,11 @@ from dataclasses import replace
 import pytest
 import yaml
 
-from lexstack.config.resolved import ResolvedScenario, load_scenario
-from lexstack.config.stack import LevelConfig
-from lexstack.control.checked import checked
-from lexstack.control.factory import Parts, build_controller
 from lexstack.errors import ConfigurationError
+from lexstack.tasks import LevelConfig
+from lexstack_config.checked import checked
+from lexstack_config.parts import Parts, build_controller
+from lexstack_config.resolved import ResolvedScenario, load_scenario
 from support.scenario import SCENARIO
 from support.stack_files import HEAD, LEVELS, folder
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.config.available import load_stack
-from lexstack.config.resolved import load_scenario
-from lexstack.control.factory import build_references, build_stack_solver
 from lexstack.errors import ConfigurationError
-from lexstack.tasks.stack import joined
+from lexstack.tasks import joined
+from lexstack_config.available import load_stack
+from lexstack_config.parts import build_references, build_stack_solver
+from lexstack_config.resolved import load_scenario
 from support.channels import parts, with_single_stacks
 from support.scenario import CONFIG, home, random_q, state_at, team
 from support.stack_files import HEAD, LEVELS, folder

@@ -6,14 +6,19 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
-from lexstack.control.factory import build_references
 from lexstack.errors import ConfigurationError
 from lexstack.references import References, ReferenceSchedule, Target
 from lexstack.robots import Pose, RobotModel, Team
-from lexstack.tasks import TASKS
-from lexstack.tasks.frame_pose import pose_error, saturated
-from lexstack.tasks.stack import build_stack
+from lexstack.tasks import (
+    TASKS,
+    LevelConfig,
+    StackConfig,
+    TaskConfig,
+    build_stack,
+    pose_error,
+    saturated,
+)
+from lexstack_config.parts import build_references
 from support.scenario import home, random_q, resolved, state_at, team
 
 RNG = np.random.default_rng(2)
@@ -29,10 +34,9 @@ def make(kind, robot=0, **parameters):
 
 
 def references(q=None):
-    schedule = ReferenceSchedule.from_scenario(
-        resolved().scenario, team(), home() if q is None else q
-    )
-    return schedule.at(0.0)
+    if q is None:
+        return build_references(resolved(), team()).at(0.0)
+    return ReferenceSchedule.at_home(team(), q).at(0.0)
 
 
 @pytest.mark.parametrize("kind", sorted(TASKS))

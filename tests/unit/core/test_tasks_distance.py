@@ -7,14 +7,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from lexstack.config.scenario import ObstacleConfig
 from lexstack.errors import ConfigurationError
 from lexstack.hqp import HqpProblem, make_solver
-from lexstack.limits.viable_bounds import viable_bounds
+from lexstack.limits import viable_bounds
 from lexstack.references import References
-from lexstack.robots import Obstacles, Pose, RobotModel, Team
-from lexstack.tasks import TASKS
-from lexstack.tasks.collision_avoidance import Distance, DistanceParameters, damped_speed
+from lexstack.robots import ObstacleConfig, Obstacles, Pose, RobotModel, Team
+from lexstack.tasks import TASKS, Distance, DistanceParameters
+from lexstack.tasks.collision_avoidance import damped_speed
 from lexstack.transition.bridge import latch
 from support.oracle import lexicographic_oracle
 from support.scenario import home, random_q, state_at, team

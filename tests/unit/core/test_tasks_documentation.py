@@ -10,14 +10,11 @@ import numpy as np
 import pytest
 import yaml
 
-from lexstack.config.reader import build, parse_yaml
-from lexstack.config.scenario import ObstacleConfig
-from lexstack.config.stack import StackConfig
 from lexstack.errors import ConfigurationError
 from lexstack.references import References
-from lexstack.robots import Obstacles
-from lexstack.tasks import TASKS
-from lexstack.tasks.stack import build_stack
+from lexstack.robots import ObstacleConfig, Obstacles
+from lexstack.tasks import TASKS, StackConfig, build_stack
+from lexstack_config.reader import build, parse_yaml
 from support.scenario import ROOT, random_q, state_at, team
 
 PAGE = (ROOT / "docs" / "tasks.md").read_text(encoding="utf-8")

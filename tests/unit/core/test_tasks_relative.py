@@ -4,16 +4,20 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
 from lexstack.errors import ConfigurationError
 from lexstack.hqp import HqpProblem, make_solver
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from lexstack.references import References
 from lexstack.robots import Pose
-from lexstack.tasks import TASKS
-from lexstack.tasks.frame_pose import pose_error
-from lexstack.tasks.relative_pose import other_end
-from lexstack.tasks.stack import build_stack
+from lexstack.tasks import (
+    TASKS,
+    LevelConfig,
+    StackConfig,
+    TaskConfig,
+    build_stack,
+    other_end,
+    pose_error,
+)
 from support.scenario import random_q, state_at, team
 
 STEP = 1e-6

@@ -6,10 +6,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from lexstack.transition import MAX_SCHEDULED, PROFILES, Announcement, SourceSchedule, alpha
 from lexstack.transition.bridge import bridged, goes_on, latch
-from lexstack.transition.messages import Announcement, SourceSchedule
-from lexstack.transition.profiles import PROFILES, alpha
-from lexstack.transition.requests import MAX_SCHEDULED, RequestBook
+from lexstack.transition.requests import RequestBook
 from lexstack.types import LinearTask
 from support.scenario import resolved
 

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from lexstack.config.scenario import TransitionConfig
+from lexstack.transition import Phase, Source, SourceSample, TransitionConfig
 from lexstack.transition.gap_motion import Carry
-from lexstack.transition.messages import Phase, Source, SourceSample
 from lexstack_experiments.links import Delayed, Frozen
 from support.channels import loop
 

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.config.scenario import TransitionConfig
-from lexstack.control.factory import build_references
 from lexstack.references import Target
-from lexstack.transition.messages import Source, SourceSample
+from lexstack.transition import Source, SourceSample, TransitionConfig
 from lexstack.transition.sources.residual_check import Witness
 from lexstack.types import LinearTask
+from lexstack_config.parts import build_references
 from lexstack_experiments.links import Delayed, Frozen
 from support.channels import loop, state_of
 

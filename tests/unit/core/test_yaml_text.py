@@ -5,9 +5,9 @@ import time
 
 import pytest
 
-from lexstack.config.reader import read_yaml
-from lexstack.config.yaml_text import parse_plain, read_text
 from lexstack.errors import ConfigurationError
+from lexstack_config.reader import read_yaml
+from lexstack_config.yaml_text import parse_plain, read_text
 
 BOMB = "a: &a [x, x]\nb: &b [*a, *a]\nc: &c [*b, *b]\n"
 

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from lexstack.config.scenario import TransitionConfig
-from lexstack.control.factory import Parts, build_controller
-from lexstack.limits.viable_bounds import Bounds
-from lexstack.transition.messages import SourceSample
+from lexstack.limits import Bounds
+from lexstack.transition import SourceSample, TransitionConfig
 from lexstack.types import LinearTask
 from lexstack_bag.figures.series import measure
+from lexstack_config.parts import Parts, build_controller
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.links import Delayed, Frozen, Lost
 from lexstack_experiments.loop import Loop

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lexstack.hqp import HqpProblem
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask
 from lexstack_experiments.hierarchies.peers import STRICT, installed
 

@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.hqp import HqpProblem, blocked, describe
-from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.hqp import DaqpCascade, HqpProblem, blocked, describe
 from lexstack.hqp.diagnosis import _forces
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask
 from support.problems import problem
 

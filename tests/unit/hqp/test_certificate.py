@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from lexstack.hqp import HqpProblem
-from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.hqp import DaqpCascade, HqpProblem
 from lexstack_experiments.hierarchies.certificate import certified_excess
 from support.oracle import lexicographic_oracle
 from support.problems import KINDS, problem

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from lexstack.errors import InputError
-from lexstack.hqp import ClusteredSolver, HqpProblem, Status
-from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.hqp import ClusteredSolver, DaqpCascade, HqpProblem, Status
 from lexstack.hqp.coupling import Structure
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask
 from support.problems import KINDS, problem, side_by_side
 

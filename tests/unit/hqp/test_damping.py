@@ -5,16 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
 from lexstack.hqp import Damper, HqpProblem, blocked, damping, make_solver, regular
 from lexstack.hqp.groups import groups_of
 from lexstack.hqp.lift import Above, Bending
 from lexstack.hqp.valley import logarithm
-from lexstack.limits.viable_bounds import Bounds, target_bounds
+from lexstack.limits import Bounds, target_bounds
 from lexstack.references import References
-from lexstack.robots import Pose
-from lexstack.spatial import from_rpy
-from lexstack.tasks.stack import build_stack
+from lexstack.robots import Pose, from_rpy
+from lexstack.tasks import LevelConfig, StackConfig, TaskConfig, build_stack
 from support.scenario import home, random_q, state_at, team
 
 BOTH = {"relative_pose": {"other": "robot_b"}}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lexstack.hqp import HqpProblem
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask
 from support.exact import exact_optimum, exact_slacks
 from support.integers import integer_problem, shape

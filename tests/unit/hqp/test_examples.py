@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from lexstack.hqp import HqpProblem
-from lexstack.hqp.backends.daqp import DaqpCascade
-from lexstack.hqp.backends.proxqp import ProxqpCascade
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.hqp import DaqpCascade, HqpProblem, ProxqpCascade
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask
 
 SOLVERS = [

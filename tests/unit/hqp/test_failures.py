@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 from lexstack.errors import ConfigurationError, InputError
-from lexstack.hqp import SOLVERS, HqpProblem, Status, make_solver
+from lexstack.hqp import SOLVERS, DaqpCascade, HqpProblem, ProxqpCascade, Status, make_solver
 from lexstack.hqp.backends import daqp as daqp_module
 from lexstack.hqp.backends import proxqp as proxqp_module
-from lexstack.hqp.backends.daqp import DaqpBackend, DaqpCascade
-from lexstack.hqp.backends.proxqp import ProxqpCascade
+from lexstack.hqp.backends.daqp import DaqpBackend
 from lexstack.hqp.cascade import NullSpaceCascade
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask
 from support.problems import problem
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.hqp import FallbackSolver, Status, make_solver, refusal
-from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.hqp import DaqpCascade, FallbackSolver, Status, make_solver, refusal
 from lexstack.hqp.cascade import NullSpaceCascade
 from support.problems import problem
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lexstack.hqp import SOLVERS, make_solver
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from support.problems import problem
 
 SEQUENCE = [

@@ -5,12 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.hqp import HqpProblem, Solution, Status, cascade, make_solver, unmet
-from lexstack.hqp.backends.daqp import DaqpCascade
-from lexstack.hqp.backends.oracle import OracleSolver
-from lexstack.hqp.backends.proxqp import ProxqpCascade
-from lexstack.hqp.backends.quadprog import QuadprogCascade
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.hqp import (
+    DaqpCascade,
+    HqpProblem,
+    OracleSolver,
+    ProxqpCascade,
+    QuadprogCascade,
+    Solution,
+    Status,
+    cascade,
+    make_solver,
+    unmet,
+)
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask
 from support.exact import exact_optimum
 

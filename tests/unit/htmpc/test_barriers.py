@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from lexstack.errors import InputError
+from lexstack.mpc import StageModel, Surroundings
 from lexstack.mpc.barriers import LimitBarrier, relaxed, slopes
-from lexstack.mpc.collision_cost import Collisions, Surroundings
-from lexstack.mpc.stage_kinematics import StageModel
+from lexstack.mpc.collision_cost import Collisions
 from support.htmpc import config, robot, sphere_centers
 
 LIMITS = config().limits

@@ -3,9 +3,10 @@
 import pytest
 import yaml
 
-from lexstack.config.htmpc import HtmpcConfig, load_htmpc
-from lexstack.config.reader import build
 from lexstack.errors import ConfigurationError
+from lexstack.mpc import HtmpcConfig
+from lexstack_config.reader import build
+from lexstack_config.resolved import load_htmpc
 from lexstack_experiments.baselines.htidkc import load_htidkc
 from support.scenario import CONFIG
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lexstack.errors import ModelError
-from lexstack.mpc.stage_kinematics import StageModel
+from lexstack.mpc import StageModel
 from support.htmpc import ROBOTS, robot, sphere_centers
 
 STEP = 1e-6

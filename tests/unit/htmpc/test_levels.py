@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from lexstack.errors import InputError
-from lexstack.mpc import Objective, Outcome, Start, hold, steps
+from lexstack.mpc import Objective, Outcome, Start, Task, hold, steps
 from lexstack.mpc import level_sqp as level_module
 from lexstack.mpc.condensed_qp import CondensedQp
 from lexstack.mpc.lexicographic_constraints import Guard
-from lexstack.mpc.tracking_objectives import Task
 from support.htmpc import optimiser, random_objectives, random_start, robot
 
 REST = np.zeros(9)

@@ -10,9 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from lexstack.config.htmpc import EffortConfig
-from lexstack.mpc import Htmpc, Start, Surroundings
-from lexstack.mpc.tracking_objectives import Task
+from lexstack.mpc import EffortConfig, Htmpc, Start, Surroundings, Task
 from lexstack_experiments.baselines.htmpc_oracle import HtmpcOracle
 from support.htmpc import config, random_objectives, robot
 

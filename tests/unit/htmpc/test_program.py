@@ -4,8 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from lexstack.mpc import Htmpc, Surroundings
-from lexstack.mpc.tracking_objectives import Task
+from lexstack.mpc import Htmpc, Surroundings, Task
 from lexstack_experiments.baselines.htmpc_casadi import program
 from support.htmpc import ROBOTS, config, random_objectives, random_start, robot
 

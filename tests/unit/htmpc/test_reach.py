@@ -3,14 +3,10 @@
 import numpy as np
 import pytest
 
-from lexstack.config.resolved import load_robot, load_scenario
-from lexstack.config.scenario import ObstacleConfig
 from lexstack.errors import InputError
-from lexstack.mpc import SequenceTask
-from lexstack.mpc.sequence.reach import Reach
-from lexstack.mpc.sequence.runner import tasks_of
-from lexstack.robots import Obstacles, RobotModel
-from lexstack.spatial import to_quaternion
+from lexstack.mpc import Reach, SequenceTask, tasks_of
+from lexstack.robots import ObstacleConfig, Obstacles, RobotModel, to_quaternion
+from lexstack_config.resolved import load_robot, load_scenario
 from support.scenario import CONFIG
 
 NONE = Obstacles({})

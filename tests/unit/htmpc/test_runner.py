@@ -6,14 +6,20 @@ from functools import cache
 import numpy as np
 import pytest
 
-from lexstack.config.htmpc import load_htmpc
-from lexstack.config.resolved import load_robot
-from lexstack.config.sequence import SequenceConfig, SequenceTaskConfig
 from lexstack.errors import InputError
-from lexstack.mpc import SequenceTask
-from lexstack.mpc.sequence.runner import ARCHITECTURES, Change, SequenceRunner, tasks_of
+from lexstack.mpc import (
+    ARCHITECTURES,
+    Change,
+    SequenceConfig,
+    SequenceRunner,
+    SequenceTask,
+    SequenceTaskConfig,
+    tasks_of,
+)
 from lexstack.robots import RobotModel, Team
-from lexstack.state import RobotState
+from lexstack.types import RobotState
+from lexstack_config.parts import build_team, home_of
+from lexstack_config.resolved import load_htmpc, load_robot
 from support.scenario import CONFIG, changed, resolved
 
 DT, EVERY = 0.01, 5
@@ -28,7 +34,7 @@ def far_team():
         n: dataclasses.replace(p, base=(0.0, 4.0 * i, 0.0))
         for i, (n, p) in enumerate(robots.items())
     }
-    return Team.from_scenario(changed(robots=away)), changed(robots=away)
+    return build_team(changed(robots=away)), changed(robots=away)
 
 
 def least_height(ground):
@@ -74,7 +80,7 @@ def runner():
 
 def start(runner, tasks=(GIVE, DRIVE), architecture="ht"):
     team, scenario = far_team()
-    q = team.home(scenario)
+    q = home_of(team, scenario)
     state = RobotState(0, 0.0, q, np.zeros(team.n), q, np.zeros(team.n))
     runner.begin(tasks, ARCHITECTURES[architecture], state)
     return state

@@ -5,9 +5,8 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 
 from lexstack.errors import InputError
-from lexstack.robots import Pose
-from lexstack.spatial import from_rpy, to_quaternion
-from lexstack.transition.messages import Announcement
+from lexstack.robots import Pose, from_rpy, to_quaternion
+from lexstack.transition import Announcement
 from lexstack_experiments.loop import Loop
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
 from lexstack_ros.messages import conversions
@@ -86,7 +85,7 @@ def test_a_command_and_its_transition_go_out():
 
 
 def test_phases_have_the_numbers_of_the_message():
-    from lexstack.transition.messages import Phase
+    from lexstack.transition import Phase
 
     for phase in Phase:
         assert getattr(TransitionStatus, phase.name) == phase.value

@@ -6,7 +6,7 @@ import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
-from lexstack.transition.messages import Phase, Source, TransitionState
+from lexstack.transition import Phase, Source, TransitionState
 from lexstack_ros.node.absence import Journal
 from lexstack_ros.node.diagnostics import Diagnostics, Health, brief
 from lexstack_ros.node.peer_watch import Watch

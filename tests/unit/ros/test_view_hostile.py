@@ -5,8 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from lexstack.control.factory import build_references
-from lexstack.robots import Team
+from lexstack_config.parts import build_references, build_team, home_of
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.view.hub import Hub
 from lexstack_ros.view.news import news
@@ -36,7 +35,7 @@ def told(run, team, second=0):
         reason=f"reason{ALL}",
         robots=[team.names[0]],
     )
-    state = PlantState(tick=7, q=team.home(run).tolist(), status=PlantState.BRAKING)
+    state = PlantState(tick=7, q=home_of(team, run).tolist(), status=PlantState.BRAKING)
     state.header.stamp.sec = second
     references = build_references(known_by_names(run), team).at(0.0)
     chi = {f"chi{ALL}": Chi(tick=7, slacks=[0.1], solve_time=0.001)}
@@ -50,7 +49,7 @@ def known_by_names(run):
 
 def test_the_live_page_shows_hostile_names_and_runs_none():
     run = hostile()
-    team = Team.from_scenario(run)
+    team = build_team(run)
     hub = Hub()
 
     def refuse(_body):

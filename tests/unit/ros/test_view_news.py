@@ -7,14 +7,14 @@ import json
 import numpy as np
 import pytest
 
-from lexstack.control.factory import build_references
+from lexstack_config.parts import build_references, home_of
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.view.news import news
 from support.scenario import resolved, team
 
 
 def told(*statuses, chi=None, tick=200):
-    state = PlantState(tick=tick, q=team().home(resolved()).tolist())
+    state = PlantState(tick=tick, q=home_of(team(), resolved()).tolist())
     state.header.stamp.sec = 2
     references = build_references(resolved(), team()).at(2.0)
     return json.loads(news(team(), state, statuses, chi or {}, references))
@@ -58,7 +58,7 @@ def test_before_anything_is_known_it_says_so_without_failing():
         [],
         {},
     )
-    assert np.allclose(content["q"], team().home(resolved()), atol=1e-5)
+    assert np.allclose(content["q"], home_of(team(), resolved()), atol=1e-5)
     assert np.shape(content["ee"]) == (2, 7)
 
 

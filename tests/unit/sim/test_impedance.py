@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from lexstack_config.parts import home_of
 from lexstack_sim.impedance import ImpedanceLoop
 from support.scenario import resolved, team
 
@@ -16,7 +17,7 @@ BASES = np.r_[0:3, 10:13]
 
 @pytest.fixture
 def home():
-    return team().home(resolved())
+    return home_of(team(), resolved())
 
 
 @pytest.fixture

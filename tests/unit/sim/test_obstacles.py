@@ -7,9 +7,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from lexstack.config.scenario import ObstacleConfig, PlacementConfig
 from lexstack.errors import ModelError
-from lexstack.robots import Team
+from lexstack.robots import ObstacleConfig
+from lexstack_config.parts import build_team
+from lexstack_config.scenario import PlacementConfig
 from lexstack_sim.contacts import OBSTACLE, robot_masks
 from lexstack_sim.obstacles import Clearance, obstacle_name
 from lexstack_sim.plant import Plant
@@ -24,7 +25,7 @@ BALL = ObstacleConfig(
 
 def plant_with(**obstacles):
     resolved = changed(obstacles=obstacles)
-    return Plant(resolved, Team.from_scenario(resolved))
+    return Plant(resolved, build_team(resolved))
 
 
 def test_the_plant_moves_them_as_the_core_says():
@@ -63,7 +64,7 @@ def crowd():
     robots = {f"robot_{i}": PlacementConfig(model, (0.0, 3.0 * i, 0.0)) for i in range(40)}
     ball = ObstacleConfig((1.2, 3.0 * 39, 0.3), 0.15)
     scenario = changed(robots=robots, obstacles={"ball": ball}, events=())
-    return Plant(scenario, Team.from_scenario(scenario))
+    return Plant(scenario, build_team(scenario))
 
 
 def touching_pairs(crowd, **places):
@@ -146,7 +147,7 @@ def test_the_spheres_of_the_core_are_a_careful_measure(seed):
     """The contact geometry sticks out of the spheres by 10 mm at most (see the robot's file)."""
     rng = np.random.default_rng(seed)
     resolved = changed(obstacles={"post": POST, "ball": BALL})
-    team = Team.from_scenario(resolved)
+    team = build_team(resolved)
     q, stamp = random_q(rng), rng.uniform(0.0, 5.0)
     q[:2], q[10:12] = rng.uniform(-0.6, 0.6, 2), [2.0, 0.0]
     spheres = team.spheres(q)
@@ -162,7 +163,7 @@ def test_the_spheres_of_the_core_are_a_careful_measure(seed):
 
 def test_depths_are_negative_and_far_is_far():
     resolved = changed(obstacles={"inside": ObstacleConfig((0.2, 0.0, 0.4), 0.1)})
-    team = Team.from_scenario(resolved)
+    team = build_team(resolved)
     clearance = Clearance(build_world(team), team.names, team.obstacles)
     inside, far = clearance.at(home(), 0.0)[:, 0]
     assert inside < -0.05

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lexstack.robots import Pose
-from lexstack.robots.assembly import description_path
+from lexstack.robots import Pose, description_path
+from lexstack_config.parts import home_of
 from lexstack_sim import render
 from lexstack_sim.collada import read_collada
 from support.scenario import resolved, team
@@ -23,7 +23,7 @@ def is_blue(image):
 
 
 def test_both_robots_are_seen_where_they_are():
-    home = team().home(resolved())
+    home = home_of(team(), resolved())
     apart = home.copy()
     apart[1], apart[11] = -0.5, 0.5
     target = Pose(np.array([1.0, 0.0, 0.9]), np.eye(3))
@@ -51,7 +51,7 @@ def test_both_robots_are_seen_where_they_are():
 def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch):
     monkeypatch.setattr(render, "_LIBRARIES", {"egl": "libnowhere.so.1"})
     with pytest.raises(render.RenderError, match="install libegl1"):
-        render.snapshots(resolved(), [team().home(resolved())])
+        render.snapshots(resolved(), [home_of(team(), resolved())])
 
 
 def test_meshes_keep_their_colours_and_their_size():

@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lexstack.config.resolved import load_robot
-from lexstack.config.scenario import ObstacleConfig, PlacementConfig
-from lexstack.robots import Team
+from lexstack.robots import ObstacleConfig
+from lexstack_config.parts import build_team
+from lexstack_config.resolved import load_robot
+from lexstack_config.scenario import PlacementConfig
 from lexstack_sim.scene import scene
 from support.scenario import resolved
 
@@ -26,9 +27,7 @@ def team_of(path, **changes):
         "robot_b": PlacementConfig(path.stem, (2.0, 0.0, 0.0)),
     }
     scenario = replace(base.scenario, robots=places, **changes)
-    return Team.from_scenario(
-        replace(base, scenario=scenario, robots={path.stem: load_robot(path)})
-    )
+    return build_team(replace(base, scenario=scenario, robots={path.stem: load_robot(path)}))
 
 
 @pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)

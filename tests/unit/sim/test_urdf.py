@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from lexstack_config.parts import home_of
 from lexstack_sim.urdf import robot_urdf
 from support.scenario import resolved, team
 
@@ -20,7 +21,7 @@ def test_a_urdf_parser_finds_the_same_robot():
     assert tuple(model.names[1:]) == robot.joints
     model.armature = robot.pinocchio.armature
     rng = np.random.default_rng(0)
-    home = team().home(resolved())[team().slices[0]]
+    home = home_of(team(), resolved())[team().slices[0]]
     for _ in range(20):
         q = home + rng.uniform(-0.5, 0.5, robot.n)
         theirs = np.concatenate([q[:2], [np.cos(q[2]), np.sin(q[2])], q[3:]])

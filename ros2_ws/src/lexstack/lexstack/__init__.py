@@ -1,1 +1,185 @@
-"""Hierarchical QP control, stack transitions and robot models; without ROS."""
+"""Strict hierarchical QP control of teams of mobile manipulators, and smooth changes of its tasks.
+
+``import lexstack`` gives the names below; each is loaded when it is first used, so that a program
+pays for what it needs. The sub-packages have more of their subjects: ``lexstack.hqp``, ``limits``,
+``robots``, ``references``, ``tasks``, ``transition``, ``mpc`` and ``control``.
+"""
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+
+def on_demand(package: str, names: Mapping[str, str]) -> Callable[[str], object]:
+    """Return the ``__getattr__`` of a package that imports its names when they are asked for.
+
+    Args:
+        package: its name.
+        names: public names, with spaces between them, by the module of the package that has them.
+    """
+    homes = {name: module for module, several in names.items() for name in several.split()}
+
+    def load(name: str) -> object:
+        if name not in homes:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        here = import_module(package)
+        value = getattr(import_module(f"{package}.{homes[name]}"), name)
+        setattr(here, name, value)  # found without this function from now on
+        return value
+
+    return load
+
+
+if TYPE_CHECKING:
+    from lexstack.control import (
+        Command,
+        Controller,
+        StackSolver,
+        make_controller,
+        make_stack_solver,
+    )
+    from lexstack.errors import ConfigurationError, InputError, LexstackError, ModelError
+    from lexstack.hqp import (
+        SOLVERS,
+        HqpProblem,
+        HqpSolver,
+        Solution,
+        Status,
+        blocked,
+        describe,
+        make_solver,
+    )
+    from lexstack.limits import Bounds, JointLimits, LimitOptions, LimitsInForce, viable_bounds
+    from lexstack.mpc import (
+        DEFAULT_HTMPC,
+        HT_ARCH,
+        ST_ARCH,
+        Htmpc,
+        HtmpcConfig,
+        Objective,
+        Plan,
+        SequenceRunner,
+        SequenceTask,
+        Start,
+        Surroundings,
+    )
+    from lexstack.references import References, ReferenceSchedule, Target
+    from lexstack.robots import (
+        Kinematics,
+        ObstacleConfig,
+        Obstacles,
+        Pose,
+        RobotConfig,
+        RobotModel,
+        Team,
+        mobile_manipulator,
+    )
+    from lexstack.tasks import (
+        TASKS,
+        Level,
+        LevelConfig,
+        Stack,
+        StackConfig,
+        Task,
+        TaskConfig,
+        build_stack,
+    )
+    from lexstack.transition import (
+        METHODS,
+        Announcement,
+        Phase,
+        SourceSample,
+        SourceSchedule,
+        Transition,
+        TransitionConfig,
+        TransitionOptions,
+        TransitionState,
+    )
+    from lexstack.types import LinearTask, Matrix, RobotState, Vector
+else:
+    __getattr__ = on_demand(
+        __name__,
+        {
+            "control": "Command Controller StackSolver make_controller make_stack_solver",
+            "errors": "ConfigurationError InputError LexstackError ModelError",
+            "hqp": "SOLVERS HqpProblem HqpSolver Solution Status blocked describe make_solver",
+            "limits": "Bounds JointLimits LimitOptions LimitsInForce viable_bounds",
+            "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH Htmpc HtmpcConfig Objective "
+            "Plan SequenceRunner SequenceTask Start Surroundings",
+            "references": "ReferenceSchedule References Target",
+            "robots": "Kinematics ObstacleConfig Obstacles Pose RobotConfig "
+            "RobotModel Team mobile_manipulator",
+            "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack",
+            "transition": "METHODS Announcement Phase SourceSample SourceSchedule "
+            "Transition TransitionConfig TransitionOptions TransitionState",
+            "types": "LinearTask Matrix RobotState Vector",
+        },
+    )
+
+__all__ = [
+    "DEFAULT_HTMPC",
+    "HT_ARCH",
+    "METHODS",
+    "SOLVERS",
+    "ST_ARCH",
+    "TASKS",
+    "Announcement",
+    "Bounds",
+    "Command",
+    "ConfigurationError",
+    "Controller",
+    "HqpProblem",
+    "HqpSolver",
+    "Htmpc",
+    "HtmpcConfig",
+    "InputError",
+    "JointLimits",
+    "Kinematics",
+    "Level",
+    "LevelConfig",
+    "LexstackError",
+    "LimitOptions",
+    "LimitsInForce",
+    "LinearTask",
+    "Matrix",
+    "ModelError",
+    "Objective",
+    "ObstacleConfig",
+    "Obstacles",
+    "Phase",
+    "Plan",
+    "Pose",
+    "ReferenceSchedule",
+    "References",
+    "RobotConfig",
+    "RobotModel",
+    "RobotState",
+    "SequenceRunner",
+    "SequenceTask",
+    "Solution",
+    "SourceSample",
+    "SourceSchedule",
+    "Stack",
+    "StackConfig",
+    "StackSolver",
+    "Start",
+    "Status",
+    "Surroundings",
+    "Target",
+    "Task",
+    "TaskConfig",
+    "Team",
+    "Transition",
+    "TransitionConfig",
+    "TransitionOptions",
+    "TransitionState",
+    "Vector",
+    "blocked",
+    "build_stack",
+    "describe",
+    "make_controller",
+    "make_solver",
+    "make_stack_solver",
+    "mobile_manipulator",
+    "viable_bounds",
+]

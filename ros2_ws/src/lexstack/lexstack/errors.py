@@ -9,6 +9,19 @@ class ConfigurationError(LexstackError):
     """A configuration file or value is wrong; the text names the file and the key."""
 
 
+class NotANumberError(ConfigurationError):
+    """A number was expected, and something else was there.
+
+    Attributes:
+        found: what was there.
+    """
+
+    def __init__(self, text: str, found: object) -> None:
+        """Keep the value beside the text, for those who know its origin and can say more."""
+        super().__init__(text)
+        self.found = found
+
+
 class ModelError(LexstackError):
     """A robot model cannot be built, or does not fit its configuration."""
 

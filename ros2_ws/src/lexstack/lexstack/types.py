@@ -1,4 +1,4 @@
-"""Linear tasks on chi: the rows that a task contributes to a level of the hierarchy."""
+"""The values that all parts of the library share: vectors, a state, and a task made linear."""
 
 from __future__ import annotations
 
@@ -11,6 +11,40 @@ Vector = NDArray[np.float64]
 """An array of one dimension."""
 Matrix = NDArray[np.float64]
 """An array of two dimensions."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """All robots at one tick, stacked in the configured order; arrays are not to be written.
+
+    Per robot: base x [m], y [m], yaw [rad] in the world frame, then the arm joints [rad].
+
+    Attributes:
+        tick: number of the control period, counted by the plant.
+        stamp: simulated time [s].
+        q: measured positions, shape (n,).
+        v: measured velocities, shape (n,), m/s and rad/s.
+        q_star: Euler integral of the commands that the plant has accepted, shape (n,).
+        command: the last chi that the plant has accepted, shape (n,).
+    """
+
+    tick: int
+    stamp: float
+    q: Vector
+    v: Vector
+    q_star: Vector
+    command: Vector
+
+    @classmethod
+    def at_rest(cls, q: Vector) -> RobotState:
+        """Return the state of tick 0 at a configuration, shape (n,)."""
+        still = np.zeros_like(q)
+        return cls(0, 0.0, q, still, q, still)
+
+    def after(self, chi: Vector, dt: float) -> RobotState:
+        """Return the next tick's state of robots that follow a command exactly for dt [s]."""
+        tick = self.tick + 1
+        return RobotState(tick, tick * dt, self.q + dt * chi, chi, self.q_star + dt * chi, chi)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

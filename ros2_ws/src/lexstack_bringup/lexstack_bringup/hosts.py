@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from lexstack.config.checks import positive, shown
-from lexstack.config.reader import build, read_yaml
 from lexstack.errors import ConfigurationError
+from lexstack.options import positive, shown
+from lexstack_config.reader import build, read_yaml
 from lexstack_ros.messages.names import base_of
 
 SERVER = "discovery_server"

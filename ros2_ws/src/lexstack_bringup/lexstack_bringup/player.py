@@ -14,16 +14,14 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from std_srvs.srv import SetBool
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.scenario import EventConfig
 from lexstack.errors import LexstackError
-from lexstack.references import pose_from_config
-from lexstack.robots import Pose
-from lexstack.spatial import from_rpy, to_quaternion
+from lexstack.robots import Pose, from_rpy, to_quaternion
 from lexstack.types import Vector
 from lexstack_bringup.processes import RECORDER, nodes_of
 from lexstack_bringup.sequence_client import SequenceClient
 from lexstack_bringup.streams import Streams
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.scenario import EventConfig, pose_from_config
 from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.messages.conversions import pose_message

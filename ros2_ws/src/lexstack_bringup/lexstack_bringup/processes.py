@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.scenario import ScenarioConfig
-from lexstack.config.yaml_text import read_text
 from lexstack_bringup.supervisor import Supervisor
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.scenario import ScenarioConfig
+from lexstack_config.yaml_text import read_text
 from lexstack_ros.messages.names import SOLVER, base_of
 from lexstack_ros.node.readiness import READY
 

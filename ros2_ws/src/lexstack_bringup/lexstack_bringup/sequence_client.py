@@ -9,11 +9,9 @@ from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.task import Future
 
-from lexstack.config.scenario import EventConfig, ScenarioConfig
-from lexstack.config.sequence import SequenceChangeConfig, SequenceConfig
 from lexstack.errors import InputError
-from lexstack.mpc import SequenceTask
-from lexstack.mpc.sequence.runner import tasks_of
+from lexstack.mpc import SequenceConfig, SequenceTask, tasks_of
+from lexstack_config.scenario import EventConfig, ScenarioConfig, SequenceChangeConfig
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import SequenceTask as TaskMessage
 from lexstack_interfaces.srv import ChangeSequence

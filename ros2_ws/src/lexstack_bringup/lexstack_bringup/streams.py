@@ -8,12 +8,12 @@ from collections.abc import Mapping
 import numpy as np
 from rclpy.publisher import Publisher
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.stream import StreamConfig
 from lexstack.references import measured
-from lexstack.robots import Pose, Team
-from lexstack.spatial import from_rpy, to_quaternion
+from lexstack.robots import Pose, from_rpy, to_quaternion
 from lexstack.types import Vector
+from lexstack_config.parts import build_team, home_of
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.stream import StreamConfig
 from lexstack_ros.messages.conversions import pose_message
 
 
@@ -22,8 +22,8 @@ class Streams:
 
     def __init__(self, resolved: ResolvedScenario, publishers: Mapping[str, Publisher]) -> None:
         """Know the robots' first poses; ``publishers`` are those of the targets, by topic."""
-        team = Team.from_scenario(resolved)
-        self._start = measured(team, team.home(resolved))
+        team = build_team(resolved)
+        self._start = measured(team, home_of(team, resolved))
         self._team = team
         self._publishers = publishers
         self._streams = [[stream, 0] for stream in resolved.scenario.streams]

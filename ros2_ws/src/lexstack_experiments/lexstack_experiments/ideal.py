@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.robots import Team
-from lexstack.state import RobotState
-from lexstack.types import Vector
+from lexstack.types import RobotState, Vector
+from lexstack_config.parts import home_of
+from lexstack_config.resolved import ResolvedScenario
 
 
 class IdealPlant:
@@ -17,7 +17,7 @@ class IdealPlant:
         """Start at the scenario's home, at rest."""
         self._dt = 1.0 / resolved.scenario.rate
         self._tick = 0
-        self._q = team.home(resolved)
+        self._q = home_of(team, resolved)
         self._chi: Vector = np.zeros(team.n)
 
     def put(self, q: Vector, chi: Vector) -> None:

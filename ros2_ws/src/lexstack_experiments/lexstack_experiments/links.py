@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import replace
 
-from lexstack.transition.messages import SourceSample
+from lexstack.transition import SourceSample
 
 
 class Delayed:

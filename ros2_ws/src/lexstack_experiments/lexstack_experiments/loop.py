@@ -9,16 +9,15 @@ from typing import Protocol
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.scenario import EventConfig
-from lexstack.control.controller import Command, Controller
-from lexstack.control.factory import Parts, build_controller, build_stack_solver
+from lexstack.control import Command, Controller
 from lexstack.hqp import Solution
-from lexstack.references import References, Target, pose_from_config
+from lexstack.references import References, Target
 from lexstack.robots import Kinematics, Team
-from lexstack.state import RobotState
-from lexstack.transition.messages import Announcement, SourceSample, SourceSchedule
-from lexstack.types import Vector
+from lexstack.transition import Announcement, SourceSample, SourceSchedule
+from lexstack.types import RobotState, Vector
+from lexstack_config.parts import Parts, build_controller, build_stack_solver
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.scenario import EventConfig, pose_from_config
 from lexstack_sim.plant import Plant
 
 AskB = Callable[[Announcement, RobotState, References], SourceSample | None]

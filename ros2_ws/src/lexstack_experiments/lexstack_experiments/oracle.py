@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask, Vector
 
 _SMALL = 1e-9  # m/s and rad/s: a residual below it needs no oracle, its excess is no larger

@@ -7,17 +7,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.sequence import SequenceChangeConfig
-from lexstack.config.stack import plan_stack
-from lexstack.control.controller import Command
+from lexstack.control import Command
 from lexstack.errors import InputError
-from lexstack.mpc import SequenceTask
-from lexstack.mpc.sequence.runner import ARCHITECTURES, Change, Progress, SequenceRunner, tasks_of
+from lexstack.mpc import ARCHITECTURES, Change, Progress, SequenceRunner, SequenceTask, tasks_of
 from lexstack.references import References
-from lexstack.state import RobotState
-from lexstack.transition.messages import Announcement, SourceSample
-from lexstack.transition.sources.mpc_plans import HeardPlan
+from lexstack.tasks import plan_stack
+from lexstack.transition import Announcement, HeardPlan, SourceSample
+from lexstack.types import RobotState
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.scenario import SequenceChangeConfig
 from lexstack_experiments.loop import AnyPlant, Loop
 
 _AHEAD = 2  # plans between the end of a sequence and the tick at which robot A goes back

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any, TypeVar
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.control.controller import Controller
-from lexstack.control.factory import Parts, build_controller
+from lexstack.control import Controller
 from lexstack.hqp import HqpProblem, HqpSolver, Solution, make_solver
 from lexstack.robots import Team
-from lexstack.tasks.stack import Level
+from lexstack.tasks import Level
+from lexstack_config.parts import Parts, build_controller
+from lexstack_config.resolved import ResolvedScenario
 
 T = TypeVar("T")
 

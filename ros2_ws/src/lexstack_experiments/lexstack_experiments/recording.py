@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.control.controller import Command
+from lexstack.control import Command
 from lexstack.references import Target as ScheduledTarget
-from lexstack.robots import Team
-from lexstack.spatial import to_quaternion
+from lexstack.robots import Team, to_quaternion
 from lexstack.types import Matrix, Vector
 from lexstack_bag.run.run import (
     ChiStream,

@@ -9,11 +9,11 @@ from multiprocessing.connection import Connection
 from time import perf_counter, process_time
 from types import TracebackType
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.control.factory import Parts, build_references, build_stack_solver
 from lexstack.references import References
-from lexstack.state import RobotState
-from lexstack.transition.messages import Announcement, SourceSample
+from lexstack.transition import Announcement, SourceSample
+from lexstack.types import RobotState
+from lexstack_config.parts import Parts, build_references, build_stack_solver
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.loop import sample_of, targets_of
 
 _PATIENCE = 60.0  # s of wall time to wait for an answer, the start of the process included

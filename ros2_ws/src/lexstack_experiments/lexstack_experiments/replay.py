@@ -9,12 +9,11 @@ from time import perf_counter
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.control.controller import Command, Controller
-from lexstack.robots import Team
-from lexstack.state import RobotState
-from lexstack.transition.messages import Source, SourceSample
-from lexstack.types import Vector
+from lexstack.control import Command, Controller
+from lexstack.transition import Source, SourceSample
+from lexstack.types import RobotState, Vector
+from lexstack_config.parts import build_team
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop, targets_of
 
@@ -31,7 +30,7 @@ class Tape:
     @classmethod
     def of(cls, resolved: ResolvedScenario) -> Tape:
         """Record a scenario in the ideal plant."""
-        return cls.of_loop(Loop(resolved, IdealPlant(resolved, Team.from_scenario(resolved))))
+        return cls.of_loop(Loop(resolved, IdealPlant(resolved, build_team(resolved))))
 
     @classmethod
     def of_loop(cls, loop: Loop) -> Tape:
@@ -88,7 +87,7 @@ class Tape:
 
 def _schedule(resolved: ResolvedScenario, controller: Controller) -> None:
     """Hand the scenario's events to a controller, as the loop does."""
-    team = Team.from_scenario(resolved)
+    team = build_team(resolved)
     for event in resolved.scenario.events:
         for target in targets_of(event, team):
             controller.references.add(target)

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from lexstack.config.resolved import ResolvedScenario, load_scenario
 from lexstack_bag.figures.figures import Metrics, compute_metrics
 from lexstack_bag.figures.phases import Phase, find_phases
 from lexstack_bag.figures.series import Measures, measure
 from lexstack_bag.run.run import Run
+from lexstack_config.resolved import ResolvedScenario, load_scenario
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.recording import recorded
 

@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.robots import Team
 from lexstack.types import Vector
 from lexstack_bag.run.provenance import run_facts
 from lexstack_bag.storage.container import Progress
 from lexstack_bag.storage.definitions import message_definition
 from lexstack_bag.storage.metadata import Qos, Topic
 from lexstack_bag.storage.writer import BagWriter
+from lexstack_config.parts import build_team, home_of
+from lexstack_config.resolved import ResolvedScenario
 
 _EPOCH = 1_700_000_000_000_000_000  # ns
 _SWITCH, _BLEND = 6000, 100  # ticks between two switches, ticks of a blend
@@ -78,8 +78,8 @@ class _Maker:
     def __init__(self, resolved: ResolvedScenario) -> None:
         """Prepare the patterns."""
         scenario = resolved.scenario
-        self._team = Team.from_scenario(resolved)
-        self._home = self._team.home(resolved)
+        self._team = build_team(resolved)
+        self._home = home_of(self._team, resolved)
         self._dt = 1.0 / scenario.rate
         self._stacks = [scenario.initial_stack, *[e.switch for e in scenario.events if e.switch]]
         n, names = self._team.n, list(self._team.names)

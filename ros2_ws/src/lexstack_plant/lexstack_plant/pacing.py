@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lexstack.config.scenario import Mode
+from lexstack_config.scenario import Mode
 
 LATE = 0.5
 """A tick counts as late when it begins so many periods after its wall-clock time."""

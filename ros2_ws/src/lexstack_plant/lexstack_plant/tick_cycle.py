@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lexstack.errors import InputError
-from lexstack.state import RobotState
-from lexstack.types import Vector
+from lexstack.types import RobotState, Vector
 from lexstack_plant.pacing import Pacer
 from lexstack_sim.plant import Plant
 from lexstack_sim.plant_state import Status

@@ -14,10 +14,8 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
-from lexstack.robots import RobotModel, Team
-from lexstack.spatial import to_quaternion
-from lexstack.state import RobotState
-from lexstack.types import Vector
+from lexstack.robots import RobotModel, Team, to_quaternion
+from lexstack.types import RobotState, Vector
 from lexstack_interfaces.msg import PlantState
 from lexstack_ros.messages.conversions import WORLD, to_array, to_time
 from lexstack_ros.messages.qos import LATCHED, STREAM

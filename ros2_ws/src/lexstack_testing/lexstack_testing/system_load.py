@@ -15,9 +15,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.yaml_text import read_text
 from lexstack.errors import LexstackError
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.yaml_text import read_text
 from lexstack_interfaces.msg import PlantState
 from lexstack_testing.faults.rig import Rig, running
 

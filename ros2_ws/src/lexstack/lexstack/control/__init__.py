@@ -1,1 +1,28 @@
 """The controller and the stack solver: one tick of each, as a library call."""
+
+from typing import TYPE_CHECKING
+
+from lexstack import on_demand
+
+if TYPE_CHECKING:
+    from lexstack.control.controller import Command, Controller
+    from lexstack.control.factory import make_controller, make_stack_solver
+    from lexstack.control.stack_solver import StackSolver, share
+else:
+    __getattr__ = on_demand(
+        __name__,
+        {
+            "controller": "Command Controller",
+            "factory": "make_controller make_stack_solver",
+            "stack_solver": "StackSolver share",
+        },
+    )
+
+__all__ = [
+    "Command",
+    "Controller",
+    "StackSolver",
+    "make_controller",
+    "make_stack_solver",
+    "share",
+]

@@ -7,28 +7,27 @@ from time import perf_counter
 
 import numpy as np
 
+import lexstack.hqp
 from lexstack.hqp import (
     Damper,
     HqpProblem,
     HqpSolver,
     NearSingular,
     Solution,
-    blocked,
-    describe,
     near_singularity,
     refusal,
 )
+from lexstack.limits.joint_limits import Bounds, JointLimits
 from lexstack.limits.limits_in_force import BoxLaw
-from lexstack.limits.viable_bounds import Bounds, JointLimits, target_bounds
+from lexstack.limits.viable_bounds import target_bounds
 from lexstack.references import ReferenceSchedule, measured
 from lexstack.robots import Kinematics, Team
-from lexstack.state import RobotState
 from lexstack.transition.auxiliary import Auxiliary
 from lexstack.transition.channel_problem import Means
 from lexstack.transition.manager import Transition
 from lexstack.transition.messages import TransitionState
 from lexstack.transition.status_report import with_singularity
-from lexstack.types import Vector
+from lexstack.types import RobotState, Vector
 
 _TOUCH = 1e-9  # m/s, rad/s: nearer than this chi is at its bound
 
@@ -158,7 +157,7 @@ class Controller:
     def prepare(self, state: RobotState) -> None:
         """Decide the references of a state's tick, unless that is done.
 
-        The first ones are the measured poses where the scenario gives none.
+        The first ones are the measured poses where none are given.
         """
         if not self.references.begun:
             self.references.begin(measured(self._team, state.q))
@@ -195,9 +194,9 @@ class Controller:
         bounds, chi = self._problem.bounds, self._warm.chi
         if min(float((chi - bounds.lower).min()), float((bounds.upper - chi).min())) > _TOUCH:
             return ""
-        levels = blocked(self._problem, self._warm)
+        levels = lexstack.hqp.blocked(self._problem, self._warm)  # loads scipy.optimize, when asked
         held = [b for b in levels if any(obstacle.joint >= 0 for obstacle in b.obstacles)]
-        return describe(held, self._team.joint_names)
+        return lexstack.hqp.describe(held, self._team.joint_names)
 
 
 def checked(solution: Solution, bounds: Bounds) -> tuple[Vector, str]:

@@ -1,112 +1,71 @@
-"""From a resolved scenario to the parts that run: the one place where they are put together."""
+"""From robots, stacks and options to the objects that run: here they are put together."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.control.controller import Controller
 from lexstack.control.stack_solver import StackSolver
-from lexstack.errors import ConfigurationError
-from lexstack.hqp import Damper, SolverFactory, make_solver
-from lexstack.limits.limits_in_force import BoxLaw, LimitOptions, LimitsInForce
+from lexstack.hqp import DEFAULT_SOLVER, Damper, HqpSolver, SolverFactory, make_solver
+from lexstack.limits import BoxLaw, LimitOptions, LimitsInForce
 from lexstack.references import ReferenceSchedule
 from lexstack.robots import Team
-from lexstack.tasks.stack import Stack, build_stack
+from lexstack.tasks import Stack
 from lexstack.transition.manager import Transition
+from lexstack.transition.options import TransitionOptions
 
 
-@dataclass(frozen=True, slots=True)
-class Parts:
-    """What a scenario's controllers share: built anew for each of them.
-
-    Attributes:
-        team: the robots.
-        stacks: that can be asked for, by name.
-        dt: control period [s].
-        unfit: why the other stacks of the configuration cannot be asked for, by name.
-    """
-
-    team: Team
-    stacks: dict[str, Stack]
-    dt: float
-    unfit: Mapping[str, str] = field(default_factory=dict)
-
-    @classmethod
-    def of(
-        cls, resolved: ResolvedScenario, folder: str = "config", *, every: bool = False
-    ) -> Parts:
-        """Build team and stacks; leave out a stack that does not fit, unless the scenario names it.
-
-        Args:
-            resolved: the scenario.
-            folder: of the configuration, for the texts of errors.
-            every: whether all stacks of the scenario must fit, as in one that has run already.
-
-        Raises:
-            ConfigurationError: a stack that must fit does not fit the robots.
-            ModelError: a robot cannot be built.
-        """
-        team = Team.from_scenario(resolved)
-        stacks, unfit = {}, dict(resolved.unfit)
-        for name, config in resolved.stacks.items():
-            file = f"stacks/{name}.yaml"
-            try:
-                stacks[name] = build_stack(config, team, f"config/{file}")
-            except ConfigurationError as error:
-                if every or name in resolved.scenario.stacks_named:
-                    text = str(error).removeprefix(f"config/{file}")
-                    raise ConfigurationError(f"{folder}/{file}{text}") from error
-                unfit[name] = str(error)
-        return cls(team, stacks, 1.0 / resolved.scenario.rate, unfit)
-
-
-def build_references(resolved: ResolvedScenario, team: Team) -> ReferenceSchedule:
-    """Return the scenario's first references."""
-    return ReferenceSchedule.from_scenario(resolved.scenario, team, team.home(resolved))
-
-
-def build_stack_solver(
-    resolved: ResolvedScenario,
-    parts: Parts,
-    solver: SolverFactory | None = None,
+def make_stack_solver(
+    team: Team,
+    stacks: Mapping[str, Stack],
+    solver: SolverFactory | str = DEFAULT_SOLVER,
     damper: Damper | None = None,
 ) -> StackSolver:
-    """Return robot B's solver; ``solver`` and ``damper`` are others than the scenario's."""
-    made = solver() if solver else make_solver(resolved.scenario.solver)
-    return StackSolver(parts.team, parts.stacks, made, parts.dt, damper)
+    """Return what solves any of the stacks for the present state: robot B's part.
+
+    Args:
+        team: the robots.
+        stacks: by name.
+        solver: a key of ``SOLVERS``, or what makes another solver.
+        damper: treats singularities in another way than ``Damper``.
+    """
+    return StackSolver(team, stacks, _made(solver), team.dt, damper)
 
 
-def build_controller(
-    resolved: ResolvedScenario,
-    parts: Parts,
-    solver: SolverFactory | None = None,
+def make_controller(
+    team: Team,
+    stacks: Mapping[str, Stack],
+    options: TransitionOptions,
+    references: ReferenceSchedule | None = None,
+    *,
+    unfit: Mapping[str, str] | None = None,
+    solver: SolverFactory | str = DEFAULT_SOLVER,
     box: BoxLaw | None = None,
     damper: Damper | None = None,
 ) -> Controller:
-    """Return robot A's controller.
+    """Return the controller of a team: one call of its ``tick`` per state, one command back.
 
     Args:
-        resolved: the scenario.
-        parts: built from it.
-        solver: makes other solvers than the scenario's.
+        team: the robots.
+        stacks: that can be asked for, by name.
+        options: of its transitions.
+        references: where tools and bases shall be; None: where the robots are at the first tick.
+        unfit: why other stacks cannot be asked for, by name.
+        solver: a key of ``SOLVERS``, or what makes another solver.
         box: keeps the limits in another way than ``LimitsInForce``.
         damper: treats singularities in another way than ``Damper``.
     """
-    local = build_stack_solver(resolved, parts, solver, damper)
+    limits = LimitOptions(team.dt, options.limit_jerk, options.switch.limits_move)
     return Controller(
-        parts.team,
-        build_references(resolved, parts.team),
-        Transition(parts.stacks, local, resolved.scenario, parts.team, parts.unfit),
-        solver() if solver else make_solver(resolved.scenario.solver),
-        box or build_limits(resolved, parts),
+        team,
+        references or ReferenceSchedule.at_home(team, team.home()),
+        Transition(stacks, make_stack_solver(team, stacks, solver, damper), options, team, unfit),
+        _made(solver),
+        box or LimitsInForce(team.limits, limits),
         damper,
     )
 
 
-def build_limits(resolved: ResolvedScenario, parts: Parts) -> LimitsInForce:
-    """Return how robot A keeps its limits."""
-    scenario = resolved.scenario
-    options = LimitOptions(parts.dt, scenario.limit_jerk, scenario.transition.limits_move)
-    return LimitsInForce(parts.team.limits, options)
+def _made(solver: SolverFactory | str) -> HqpSolver:
+    """Return a new solver."""
+    return make_solver(solver) if isinstance(solver, str) else solver()

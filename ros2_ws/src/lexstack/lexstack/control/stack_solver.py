@@ -8,11 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from lexstack.hqp import Damped, Damper, HqpProblem, HqpSolver, Solution
-from lexstack.limits.viable_bounds import Bounds, target_bounds
+from lexstack.limits.joint_limits import Bounds
+from lexstack.limits.viable_bounds import target_bounds
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
-from lexstack.tasks import TASKS
+from lexstack.tasks.registry import TASKS
 from lexstack.tasks.stack import AT_REST, Level, Stack
+from lexstack.transition.messages import Announcement, SourceSample
 from lexstack.transition.robot_group import Part
 from lexstack.types import LinearTask
 
@@ -89,6 +91,20 @@ class StackSolver:
         if solution.solved:
             self._warm[key] = solution
         return solution
+
+    def answer(
+        self, wanted: Announcement, kinematics: Kinematics, references: References
+    ) -> SourceSample:
+        """Return what a controller awaits that has announced a stack: its optimum of this tick."""
+        solution = self.solve(wanted.stack, kinematics, references)
+        return SourceSample(
+            wanted.id,
+            kinematics.state.tick,
+            solution.chi,
+            solution.solved,
+            float(solution.slacks[0]),
+            revision=references.revision,
+        )
 
     def _solved(self, damped: Damped, part: Part | None, last: Solution | None) -> Solution:
         """Return the solution over all joints; those that a stack does not move are at rest."""

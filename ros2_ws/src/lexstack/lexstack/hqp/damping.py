@@ -14,7 +14,7 @@ from lexstack.hqp.hierarchy import Mask, Signs
 from lexstack.hqp.irregular import Margins
 from lexstack.hqp.lift import TOLD, Above, lift, pressed
 from lexstack.hqp.problem import HqpProblem, NearSingular, Solution
-from lexstack.limits.viable_bounds import JointLimits
+from lexstack.limits.joint_limits import JointLimits
 from lexstack.robots import Kinematics, Team
 from lexstack.types import LinearTask, Vector
 

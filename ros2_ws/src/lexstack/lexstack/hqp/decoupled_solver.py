@@ -8,7 +8,7 @@ import numpy as np
 
 from lexstack.hqp.coupling import Part, Structure, share
 from lexstack.hqp.problem import HqpProblem, HqpSolver, Solution, Status
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits.joint_limits import Bounds
 
 SIZE = 40  # joints of a part: measured, the cost per joint is least between 20 and 60
 

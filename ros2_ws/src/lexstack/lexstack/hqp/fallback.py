@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from lexstack.hqp.problem import HqpProblem, HqpSolver, Solution, Status
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits.joint_limits import Bounds
 
 ROUNDING = 1e-7  # how far chi may leave the box, in its unit
 

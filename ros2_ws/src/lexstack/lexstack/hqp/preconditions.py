@@ -8,7 +8,7 @@ import numpy as np
 
 from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, Signs
 from lexstack.hqp.problem import HqpProblem, called
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits.joint_limits import Bounds
 from lexstack.types import Vector
 
 

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits.joint_limits import Bounds
 from lexstack.types import LinearTask, Vector
 
 

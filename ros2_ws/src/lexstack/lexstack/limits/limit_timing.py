@@ -15,7 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.limits.viable_bounds import JointLimits, can_stop
+from lexstack.limits.joint_limits import JointLimits
+from lexstack.limits.viable_bounds import can_stop
 from lexstack.types import Vector
 
 _KEPT = 1e-9  # m, rad, m/s, rad/s: a limit exceeded by no more is kept

@@ -26,8 +26,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from lexstack.limits.joint_limits import JointLimits
 from lexstack.limits.limit_timing import Lateness, Motion
-from lexstack.limits.viable_bounds import JointLimits
 from lexstack.types import Vector
 
 __all__ = ["LimitBlend", "Motion"]

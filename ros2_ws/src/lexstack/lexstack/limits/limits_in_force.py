@@ -9,11 +9,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.limits.joint_limits import LIMITS
-from lexstack.limits.limit_transition import LimitBlend, Motion
-from lexstack.limits.viable_bounds import Bounds, JointLimits, is_viable, viable_bounds
-from lexstack.state import RobotState
-from lexstack.types import Vector
+from lexstack.limits.joint_limits import LIMITS, Bounds, JointLimits
+from lexstack.limits.limit_timing import Motion
+from lexstack.limits.limit_transition import LimitBlend
+from lexstack.limits.viable_bounds import is_viable, viable_bounds
+from lexstack.types import RobotState, Vector
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.htmpc import BarrierConfig, CollisionConfig
+from lexstack.mpc.options import BarrierConfig, CollisionConfig
 from lexstack.types import Matrix, Vector
 
 Array = NDArray[np.float64]

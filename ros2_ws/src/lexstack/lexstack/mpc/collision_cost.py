@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.htmpc import CollisionConfig
 from lexstack.errors import InputError
 from lexstack.mpc.barriers import relaxed_within, slopes_within
+from lexstack.mpc.options import CollisionConfig
 from lexstack.mpc.stage_kinematics import StageKinematics, StageModel
 from lexstack.types import Matrix, Vector
 

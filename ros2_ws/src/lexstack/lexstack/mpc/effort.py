@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.htmpc import EffortConfig
 from lexstack.mpc.double_integrator import Horizon
+from lexstack.mpc.options import EffortConfig
 from lexstack.types import Matrix, Vector
 
 _BASE = 3

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.limits.viable_bounds import JointLimits
+from lexstack.limits.joint_limits import JointLimits
 from lexstack.mpc.double_integrator import Horizon
 from lexstack.types import Matrix, Vector
 

@@ -7,7 +7,6 @@ from time import perf_counter
 
 import numpy as np
 
-from lexstack.config.htmpc import HtmpcConfig
 from lexstack.errors import InputError
 from lexstack.mpc.barriers import LimitBarrier
 from lexstack.mpc.collision_cost import Collisions, Surroundings
@@ -18,6 +17,7 @@ from lexstack.mpc.level_problem import Iterate, Program
 from lexstack.mpc.level_sqp import Level
 from lexstack.mpc.lexicographic_constraints import Guard
 from lexstack.mpc.limited_qp import NOTHING, Holding
+from lexstack.mpc.options import HtmpcConfig
 from lexstack.mpc.plan import Plan
 from lexstack.mpc.stage_kinematics import StageModel
 from lexstack.mpc.status import LevelStatus, Outcome

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.config.htmpc import HtmpcConfig
 from lexstack.mpc.condensed_qp import CondensedQp
 from lexstack.mpc.level_problem import Iterate, Program, Quadratic
 from lexstack.mpc.lexicographic_constraints import Guard
 from lexstack.mpc.limited_qp import NOTHING, Holding, LimitedQp
+from lexstack.mpc.options import HtmpcConfig
 from lexstack.mpc.stage_kinematics import StageKinematics
 from lexstack.mpc.status import LevelStatus, Outcome
 from lexstack.mpc.tracking_objectives import Task

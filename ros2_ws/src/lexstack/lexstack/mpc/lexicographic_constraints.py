@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.htmpc import Constraint
 from lexstack.mpc.double_integrator import Horizon
+from lexstack.mpc.options import Constraint
 from lexstack.mpc.stage_kinematics import StageKinematics
 from lexstack.mpc.tracking_objectives import Task
 from lexstack.types import Matrix, Vector

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.spatial import log3
+from lexstack.robots.spatial import log3
 from lexstack.types import Matrix, Vector
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.mpc.symbolic import stage_function
+import lexstack.mpc
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
 
@@ -54,7 +54,9 @@ class StageModel:
         self.stages = stages
         self.n = robot.n
         self.spheres = spheres
-        function = stage_function(robot, spheres).map(stages)
+        # By way of the package, which loads CasADi when it is asked: who only names a task of a
+        # sequence, as the messages of plans do, has no need of it.
+        function = lexstack.mpc.stage_function(robot, spheres).map(stages)
         chosen = [robot.config.spheres[place] for place in spheres]
         self.radii: Vector = np.array([config.radius for config in chosen])
         self.lifted = np.array([config.link != "base" for config in chosen], dtype=bool)

@@ -9,14 +9,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.htmpc import HtmpcConfig, TaskWeightsConfig
 from lexstack.errors import InputError
+from lexstack.mpc.options import HtmpcConfig, TaskWeightsConfig
 from lexstack.mpc.rotations import from_quaternions, log3_all, log_slopes
 from lexstack.mpc.stage_kinematics import StageKinematics
 from lexstack.types import Matrix, Vector
 
 Array = NDArray[np.float64]
 Kind = Literal["ee_position", "ee_pose", "base_position", "base_pose"]
+"""What a task moves, and in which coordinates; see ``Objective``."""
+
 Moves = Literal["all", "arm", "base"]
 
 

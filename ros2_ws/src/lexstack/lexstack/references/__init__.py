@@ -8,7 +8,7 @@ from lexstack.references.encoding import WIDTHS, decode, encode
 from lexstack.references.schedule import ReferenceSchedule
 from lexstack.references.set_point import BASES, POSES, Fading, SetPoint
 from lexstack.references.timeline import ROUNDING, ReferenceTimeline, Setting
-from lexstack.references.values import References, Target, measured, pose_from_config
+from lexstack.references.values import References, Target, measured
 
 __all__ = [
     "BASES",
@@ -25,5 +25,4 @@ __all__ = [
     "decode",
     "encode",
     "measured",
-    "pose_from_config",
 ]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from bisect import insort
 from collections import defaultdict
+from collections.abc import Mapping
 
 import numpy as np
 
-from lexstack.config.scenario import ScenarioConfig
 from lexstack.errors import InputError
 from lexstack.references.set_point import BASES, POSES, SetPoint
 from lexstack.references.timeline import ROUNDING, ReferenceTimeline, Setting
-from lexstack.references.values import References, Target, measured, pose_from_config
+from lexstack.references.values import References, Target, measured
 from lexstack.robots import Pose, Team
 from lexstack.types import Vector
 
@@ -50,27 +50,42 @@ class ReferenceSchedule:
         self._news: list[Setting] = []
 
     @classmethod
-    def from_scenario(cls, scenario: ScenarioConfig, team: Team, home: Vector) -> ReferenceSchedule:
-        """Return a scenario's schedule.
+    def at_home(
+        cls,
+        team: Team,
+        home: Vector,
+        ee: Mapping[str, Pose] | None = None,
+        base: Mapping[str, Vector] | None = None,
+        *,
+        lead_in: float = 0.0,
+        horizon: float = float("inf"),
+    ) -> ReferenceSchedule:
+        """Return a schedule whose first references are given by name, or where the robots start.
 
-        What the scenario leaves out is the pose at ``home``, shape (n,), until ``begin`` says
-        where the robots are.
+        What is left out is the pose at ``home``, shape (n,), until ``begin`` says where the robots
+        are.
+
+        Args:
+            team: the robots.
+            home: the configuration at which they are expected to start, shape (n,).
+            ee: poses of tools, by robot.
+            base: x [m], y [m], yaw [rad] of bases, shape (3,), by robot.
+            lead_in: as in the class.
+            horizon: as in the class.
         """
-        at_home = measured(team, home)
+        ee, base = ee or {}, base or {}
+        expected = measured(team, home)
         initial = References(
+            tuple(ee.get(name, tool) for name, tool in zip(team.names, expected.ee, strict=True)),
             tuple(
-                pose_from_config(scenario.ee_target[name]) if name in scenario.ee_target else tool
-                for name, tool in zip(team.names, at_home.ee, strict=True)
-            ),
-            tuple(
-                np.array(scenario.base_target.get(name, tuple(place)), dtype=np.float64)
-                for name, place in zip(team.names, at_home.base, strict=True)
+                np.array(base.get(name, place), dtype=np.float64)
+                for name, place in zip(team.names, expected.base, strict=True)
             ),
         )
-        schedule = cls(initial, lead_in=scenario.lead_in, horizon=scenario.timeouts.target_horizon)
+        schedule = cls(initial, lead_in=lead_in, horizon=horizon)
         schedule._given = (
-            frozenset(team.index(name) for name in scenario.ee_target),
-            frozenset(team.index(name) for name in scenario.base_target),
+            frozenset(team.index(name) for name in ee),
+            frozenset(team.index(name) for name in base),
         )
         return schedule
 
@@ -80,7 +95,7 @@ class ReferenceSchedule:
         return self.timeline.newest is not None
 
     def begin(self, present: References) -> None:
-        """Take the measured poses for first references, where the scenario gives none.
+        """Take the measured poses for first references, where none are given.
 
         Robots that nobody has asked to move then stay where they are. Without effect after the
         first decision.

@@ -21,7 +21,7 @@ import numpy as np
 import pinocchio as pin
 
 from lexstack.robots import Pose
-from lexstack.spatial import log3, wrap
+from lexstack.robots.spatial import log3, wrap
 from lexstack.types import Vector
 
 T = TypeVar("T")

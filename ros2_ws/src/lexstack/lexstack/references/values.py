@@ -6,9 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.config.scenario import PoseConfig
 from lexstack.robots import Pose, Team
-from lexstack.spatial import from_quaternion
 from lexstack.types import Vector
 
 
@@ -49,11 +47,3 @@ def measured(team: Team, q: Vector) -> References:
     """Return the poses at the stacked configuration q, shape (n,), as references."""
     bases = tuple(np.array(q[part][:3], dtype=np.float64) for part in team.slices)
     return References(team.tools(q), bases)
-
-
-def pose_from_config(config: PoseConfig) -> Pose:
-    """Return a configured pose as a value."""
-    return Pose(
-        np.array(config.position, dtype=np.float64),
-        from_quaternion(np.array(config.orientation, dtype=np.float64)),
-    )

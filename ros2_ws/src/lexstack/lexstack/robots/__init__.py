@@ -1,9 +1,48 @@
 """Robot models: one pinocchio model per robot is the single source of kinematics and inertia."""
 
+from lexstack.robots.assembly import BASE_JOINTS, build_base, description_path
 from lexstack.robots.collision_geometry import Spheres
+from lexstack.robots.from_urdf import mobile_manipulator
 from lexstack.robots.kinematics import Kinematics, Pose
 from lexstack.robots.obstacles import Obstacles
-from lexstack.robots.robot import RobotModel
+from lexstack.robots.options import (
+    ArmConfig,
+    BaseConfig,
+    FrameConfig,
+    ObstacleConfig,
+    RobotConfig,
+    SphereConfig,
+    Vector3,
+    WheelsConfig,
+)
+from lexstack.robots.robot import ARM, BASE, RobotModel
+from lexstack.robots.spatial import from_quaternion, from_rpy, log3, to_quaternion, wrap
 from lexstack.robots.team import Team
 
-__all__ = ["Kinematics", "Obstacles", "Pose", "RobotModel", "Spheres", "Team"]
+__all__ = [
+    "ARM",
+    "BASE",
+    "BASE_JOINTS",
+    "ArmConfig",
+    "BaseConfig",
+    "FrameConfig",
+    "Kinematics",
+    "ObstacleConfig",
+    "Obstacles",
+    "Pose",
+    "RobotConfig",
+    "RobotModel",
+    "SphereConfig",
+    "Spheres",
+    "Team",
+    "Vector3",
+    "WheelsConfig",
+    "build_base",
+    "description_path",
+    "from_quaternion",
+    "from_rpy",
+    "log3",
+    "mobile_manipulator",
+    "to_quaternion",
+    "wrap",
+]

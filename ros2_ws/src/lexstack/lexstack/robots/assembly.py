@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from lexstack.config.robot import BaseConfig, FrameConfig, RobotConfig
 from lexstack.errors import ModelError
-from lexstack.spatial import from_rpy
+from lexstack.robots.options import BaseConfig, FrameConfig, RobotConfig
+from lexstack.robots.spatial import from_rpy
 
 BASE_JOINTS = ("base_x", "base_y", "base_yaw")
+"""Names of the platform's joints, the first three of every robot."""
 
 
 @cache  # every robot of a team asks, and the package has thousands of files

@@ -8,9 +8,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from lexstack.config.checks import shown
-from lexstack.config.robot import SphereConfig
 from lexstack.errors import ModelError
+from lexstack.options import shown
+from lexstack.robots.options import SphereConfig
 from lexstack.types import Matrix, Vector
 
 Indices = NDArray[np.intp]

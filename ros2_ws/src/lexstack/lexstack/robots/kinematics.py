@@ -6,8 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from lexstack.robots.collision_geometry import Spheres
-from lexstack.state import RobotState
-from lexstack.types import Matrix, Vector
+from lexstack.types import Matrix, RobotState, Vector
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Spheres in the robots' way, at any time: a function of the scenario and of the clock alone."""
+"""Spheres in the robots' way, at any time: a function of simulated time alone."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from lexstack.config.checks import shown
-from lexstack.config.scenario import ObstacleConfig
 from lexstack.errors import ConfigurationError
+from lexstack.options import shown
+from lexstack.robots.options import ObstacleConfig
 from lexstack.types import Matrix, Vector
 
 
@@ -17,14 +17,14 @@ class Obstacles:
     """What the robots must not touch.
 
     Attributes:
-        names: in the order of the scenario.
+        names: in the order in which they were given.
         radii: shape (k,), m.
         moving: whether any of them moves.
         resting: which of them never move, shape (k,).
     """
 
     def __init__(self, configs: Mapping[str, ObstacleConfig]) -> None:
-        """Take them from a scenario."""
+        """Take them by their names."""
         self.names = tuple(configs)
         values = configs.values()
         shape = (len(configs), 3)

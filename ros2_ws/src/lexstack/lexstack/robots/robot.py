@@ -5,15 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from lexstack.config.robot import RobotConfig
-from lexstack.limits.viable_bounds import JointLimits
+from lexstack.limits.joint_limits import JointLimits
 from lexstack.robots.assembly import BASE_JOINTS, build_robot
 from lexstack.robots.collision_geometry import SphereModel
 from lexstack.robots.kinematics import Pose
+from lexstack.robots.options import RobotConfig
 from lexstack.types import Matrix, Vector
 
 BASE = slice(0, 3)
+"""The platform's joints in a robot's own vectors."""
+
 ARM = slice(3, None)
+"""The arm's joints in them."""
+
 _PRISMATIC = ("JointModelPX", "JointModelPY", "JointModelPZ")
 
 

@@ -1,22 +1,21 @@
-"""All robots of a scenario, stacked in the configured order: what chi is about."""
+"""All robots, stacked in the configured order: what chi is about."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property, partial
 
 import numpy as np
 
-from lexstack.config.checks import shown
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.errors import ConfigurationError
-from lexstack.limits.viable_bounds import JointLimits
+from lexstack.limits.joint_limits import JointLimits
+from lexstack.options import shown
 from lexstack.robots.collision_geometry import Indices, Spheres
 from lexstack.robots.kinematics import Kinematics, Once, Pose
 from lexstack.robots.obstacles import Obstacles
+from lexstack.robots.options import Vector3
 from lexstack.robots.robot import RobotModel
-from lexstack.state import RobotState
-from lexstack.types import Matrix, Vector
+from lexstack.types import Matrix, RobotState, Vector
 
 
 class Team:
@@ -60,16 +59,6 @@ class Team:
             )
         )
 
-    @classmethod
-    def from_scenario(cls, resolved: ResolvedScenario) -> Team:
-        """Return the team of a scenario."""
-        scenario = resolved.scenario
-        robots = (
-            RobotModel(name, resolved.robots[place.model])
-            for name, place in scenario.robots.items()
-        )
-        return cls(tuple(robots), 1.0 / scenario.rate, Obstacles(scenario.obstacles))
-
     def index(self, name: str) -> int:
         """Return a robot's place in the order; raises ConfigurationError listing the known."""
         if name not in self.names:
@@ -82,11 +71,15 @@ class Team:
             [np.arange(self.slices[robot].start, self.slices[robot].stop) for robot in robots]
         )
 
-    def home(self, resolved: ResolvedScenario) -> Vector:
-        """Return the configuration at which the scenario starts, shape (n,)."""
-        return np.concatenate(
-            [robot.home(resolved.scenario.robots[robot.name].base) for robot in self.robots]
-        )
+    def home(self, bases: Mapping[str, Vector3] | None = None) -> Vector:
+        """Return every arm at its home, shape (n,).
+
+        Args:
+            bases: x [m], y [m], yaw [rad] by robot; where one is left out, the origin.
+        """
+        places = bases or {}
+        origin = (0.0, 0.0, 0.0)
+        return np.concatenate([robot.home(places.get(robot.name, origin)) for robot in self.robots])
 
     def tools(self, q: Vector) -> tuple[Pose, ...]:
         """Return each robot's tool pose at the stacked configuration q, shape (n,)."""

@@ -1,23 +1,50 @@
-"""The tasks: one file each, registered here by the name that stack files use."""
+"""The tasks, one file each, and stacks of them."""
 
 from lexstack.tasks.base_pose import Base
-from lexstack.tasks.collision_avoidance import Distance
-from lexstack.tasks.frame_pose import EePose
+from lexstack.tasks.collision_avoidance import Distance, DistanceParameters
+from lexstack.tasks.frame_pose import EePose, EePoseParameters, pose_error, saturated
 from lexstack.tasks.frame_position import EePosition
-from lexstack.tasks.posture import Posture
-from lexstack.tasks.relative_pose import RelativePose
+from lexstack.tasks.options import (
+    JointLimitConfig,
+    LevelConfig,
+    StackConfig,
+    TaskConfig,
+    plan_stack,
+)
+from lexstack.tasks.posture import Posture, PostureParameters, posture_target
+from lexstack.tasks.registry import TASKS
+from lexstack.tasks.relative_pose import RelativePose, cross, other_end
+from lexstack.tasks.stack import AT_REST, Level, Stack, build_stack, joined
 from lexstack.tasks.task import Task, TaskFactory
 from lexstack.tasks.velocity_damping import MinimumVelocity
 
-TASKS: dict[str, TaskFactory] = {
-    "base": Base.from_config,
-    "distance": Distance.from_config,
-    "ee_pose": EePose.from_config,
-    "ee_position": EePosition.from_config,
-    "minimum_velocity": MinimumVelocity.from_config,
-    "posture": Posture.from_config,
-    "relative_pose": RelativePose.from_config,
-}
-"""How each task is made, by the type that stack files name."""
-
-__all__ = ["TASKS", "Task", "TaskFactory"]
+__all__ = [
+    "AT_REST",
+    "TASKS",
+    "Base",
+    "Distance",
+    "DistanceParameters",
+    "EePose",
+    "EePoseParameters",
+    "EePosition",
+    "JointLimitConfig",
+    "Level",
+    "LevelConfig",
+    "MinimumVelocity",
+    "Posture",
+    "PostureParameters",
+    "RelativePose",
+    "Stack",
+    "StackConfig",
+    "Task",
+    "TaskConfig",
+    "TaskFactory",
+    "build_stack",
+    "cross",
+    "joined",
+    "other_end",
+    "plan_stack",
+    "pose_error",
+    "posture_target",
+    "saturated",
+]

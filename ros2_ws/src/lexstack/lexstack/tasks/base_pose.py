@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.config.checks import positive
-from lexstack.config.reader import build
+from lexstack.options import build, positive
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
-from lexstack.spatial import wrap
+from lexstack.robots.spatial import wrap
 from lexstack.types import Curve, LinearTask
 
 

@@ -30,9 +30,8 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.config.checks import not_negative, positive
-from lexstack.config.reader import build
 from lexstack.errors import ConfigurationError
+from lexstack.options import build, not_negative, positive
 from lexstack.references import References
 from lexstack.robots import Kinematics, Spheres, Team
 from lexstack.robots.collision_geometry import Indices
@@ -54,7 +53,7 @@ class DistanceParameters:
     deceleration: float = 1.0  # a [m/s2], with which an approach may end in front of the margin
     gain: float = 5.0  # g [1/s], of the last part of an approach
     rows: int = 10  # at most so many pairs, the nearest
-    obstacles: tuple[str, ...] | None = None  # names in the scenario; default: all that it has
+    obstacles: tuple[str, ...] | None = None  # names in the team; default: all that it has
     robots: tuple[str, ...] = ()  # names of other robots
     ground: bool = False  # whether the arm keeps away from the floor too
     itself: bool = False  # whether its own links keep apart, those that can meet

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.config.checks import positive
-from lexstack.config.reader import build
+from lexstack.options import build, positive
 from lexstack.references import References
 from lexstack.robots import Kinematics, Pose, Team
-from lexstack.spatial import log3
+from lexstack.robots.spatial import log3
 from lexstack.types import Curve, LinearTask, Vector
 
 

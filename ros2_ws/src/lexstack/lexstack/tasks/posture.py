@@ -7,8 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from lexstack.config.checks import finite, positive, same_length
-from lexstack.config.reader import build
+from lexstack.options import build, finite, positive, same_length
 from lexstack.references import References
 from lexstack.robots import Kinematics, RobotModel, Team
 from lexstack.types import Curve, LinearTask, Vector

@@ -24,9 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.config.checks import positive
-from lexstack.config.reader import build
 from lexstack.errors import ConfigurationError
+from lexstack.options import build, positive
 from lexstack.references import References
 from lexstack.robots import Kinematics, Pose, Team
 from lexstack.tasks.frame_pose import pose_error, saturated

@@ -8,17 +8,18 @@ from functools import lru_cache
 
 import numpy as np
 
-from lexstack.config.checks import shown
-from lexstack.config.stack import JointLimitConfig, StackConfig, TaskConfig
 from lexstack.errors import ConfigurationError, ModelError
-from lexstack.limits.joint_limits import LIMITS
-from lexstack.limits.viable_bounds import JointLimits
+from lexstack.limits.joint_limits import LIMITS, JointLimits
+from lexstack.options import shown
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
-from lexstack.tasks import TASKS, Task
+from lexstack.tasks.options import JointLimitConfig, StackConfig, TaskConfig
+from lexstack.tasks.registry import TASKS
+from lexstack.tasks.task import Task
 from lexstack.types import Curve, LinearTask
 
-AT_REST = " at rest"  # ends the name of a stack whose lower levels are minimum velocity
+AT_REST = " at rest"
+"""Ends the name of a stack whose lower levels are minimum velocity."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.config.checks import positive
-from lexstack.config.reader import build
+from lexstack.options import build, positive
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
 from lexstack.types import LinearTask

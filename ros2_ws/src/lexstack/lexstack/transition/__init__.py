@@ -1,1 +1,73 @@
 """Transitions: how robot A goes from its own optimum to a source's, within limits."""
+
+from typing import TYPE_CHECKING
+
+from lexstack import on_demand
+
+if TYPE_CHECKING:
+    from lexstack.transition.gap_motion import Carry
+    from lexstack.transition.manager import Transition
+    from lexstack.transition.messages import (
+        Announcement,
+        Phase,
+        Source,
+        SourceSample,
+        SourceSchedule,
+        TransitionState,
+    )
+    from lexstack.transition.methods import JERK_LIMITED, METHODS
+    from lexstack.transition.options import MethodName, TransitionConfig, TransitionOptions
+    from lexstack.transition.profiles import PROFILES, alpha, quintic
+    from lexstack.transition.requests import (
+        MAX_DURATION,
+        MAX_SCHEDULED,
+        Answer,
+        SwitchRequest,
+        too_far,
+    )
+    from lexstack.transition.robot_group import Columns
+    from lexstack.transition.sources.inbox import LocalSource
+    from lexstack.transition.sources.mpc_plans import HeardPlan
+else:
+    __getattr__ = on_demand(
+        __name__,
+        {
+            "gap_motion": "Carry",
+            "manager": "Transition",
+            "messages": "Announcement Phase Source SourceSample SourceSchedule TransitionState",
+            "methods": "JERK_LIMITED METHODS",
+            "options": "MethodName TransitionConfig TransitionOptions",
+            "profiles": "PROFILES alpha quintic",
+            "requests": "MAX_DURATION MAX_SCHEDULED Answer SwitchRequest too_far",
+            "robot_group": "Columns",
+            "sources.inbox": "LocalSource",
+            "sources.mpc_plans": "HeardPlan",
+        },
+    )
+
+__all__ = [
+    "JERK_LIMITED",
+    "MAX_DURATION",
+    "MAX_SCHEDULED",
+    "METHODS",
+    "PROFILES",
+    "Announcement",
+    "Answer",
+    "Carry",
+    "Columns",
+    "HeardPlan",
+    "LocalSource",
+    "MethodName",
+    "Phase",
+    "Source",
+    "SourceSample",
+    "SourceSchedule",
+    "SwitchRequest",
+    "Transition",
+    "TransitionConfig",
+    "TransitionOptions",
+    "TransitionState",
+    "alpha",
+    "quintic",
+    "too_far",
+]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from lexstack.hqp import HqpProblem, Solution, refusal
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits.joint_limits import Bounds
 from lexstack.types import Vector
 
 

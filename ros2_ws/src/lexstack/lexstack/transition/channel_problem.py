@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from lexstack.hqp import HqpProblem
-from lexstack.limits.viable_bounds import Bounds, JointLimits
+from lexstack.limits.joint_limits import Bounds, JointLimits
 from lexstack.transition.robot_group import Columns
 from lexstack.types import Vector
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
-from lexstack.config.checks import shown
-from lexstack.config.scenario import ScenarioConfig
-from lexstack.limits.viable_bounds import JointLimits
+from lexstack.limits.joint_limits import JointLimits
+from lexstack.options import shown
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
 from lexstack.tasks.stack import AT_REST, Stack
@@ -18,6 +17,7 @@ from lexstack.transition.channels.lineup import as_asked, coupling, references_b
 from lexstack.transition.due import Due
 from lexstack.transition.messages import Announcement, Phase, SourceSample, TransitionState
 from lexstack.transition.methods import JERK_LIMITED, METHODS
+from lexstack.transition.options import TransitionOptions
 from lexstack.transition.requested_limits import AskedLimits
 from lexstack.transition.requests import Answer, RequestBook, SwitchRequest, in_effect
 from lexstack.transition.robot_group import Part
@@ -40,16 +40,16 @@ class Transition:
         self,
         stacks: Mapping[str, Stack],
         local: LocalSource,
-        scenario: ScenarioConfig,
+        options: TransitionOptions,
         team: Team,
         unfit: Mapping[str, str] | None = None,
     ) -> None:
-        """Start idle on the scenario's initial stack.
+        """Start idle on the initial stack.
 
         Args:
             stacks: every stack that may be asked for, by name.
             local: what A follows where robot B is lost.
-            scenario: rate, mode, transition and timeouts.
+            options: where to start, how to go, and when a source counts as lost.
             team: the robots.
             unfit: why other stacks cannot be asked for, by name.
         """
@@ -62,19 +62,17 @@ class Transition:
         self._team = team
         self._whose = whose
         self._joiner = Joiner(team)
-        self._sources = Sources(local, scenario)
-        self._plans = PlanBook(team, scenario)
-        self._book = RequestBook(
-            whose, METHODS, scenario.transition, unfit, horizon=scenario.horizon_ticks
-        )
-        self._adopts = scenario.transition.at_end == "adopt"
-        self._lockstep = scenario.mode == "lockstep"
-        self._asked = AskedLimits(team.limits, always=scenario.limit_jerk)
+        self._sources = Sources(local, options)
+        self._plans = PlanBook(team, options)
+        self._book = RequestBook(whose, METHODS, options.switch, unfit, horizon=options.horizon)
+        self._adopts = options.switch.at_end == "adopt"
+        self._lockstep = options.lockstep
+        self._asked = AskedLimits(team.limits, always=options.limit_jerk)
         self._announcer = Announcer()
         self._tick = 0
         self._pending: tuple[SwitchRequest, ...] = ()  # whose tick has come, B's first chi has not
         self._parts = {everyone: Part.of(team, everyone)}
-        initial = stacks[scenario.initial_stack].of(everyone)
+        initial = stacks[options.initial].of(everyone)
         first = Channel(self._parts[everyone], (initial,), initial.name)
         self._channels: tuple[Channel, ...] = (first,)
 

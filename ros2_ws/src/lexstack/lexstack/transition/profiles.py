@@ -27,6 +27,7 @@ PROFILES: dict[str, Callable[[float], float]] = {
     "cosine": cosine,
     "linear": linear,
 }
+"""alpha over the elapsed part of the duration, by name."""
 
 
 def alpha(profile: str, elapsed: float, duration: float) -> float:

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lexstack.limits.joint_limits import LIMITS
-from lexstack.limits.viable_bounds import JointLimits
+from lexstack.limits.joint_limits import LIMITS, JointLimits
 from lexstack.transition.robot_group import Columns
 
 Asked = tuple[Columns, JointLimits | None, bool]

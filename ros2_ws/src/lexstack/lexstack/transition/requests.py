@@ -6,11 +6,14 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from lexstack.config.checks import shown
-from lexstack.config.scenario import TransitionConfig
+from lexstack.options import shown
+from lexstack.transition.options import TransitionConfig
 
-MAX_DURATION = 60.0  # s
+MAX_DURATION = 60.0
+"""The longest transition [s]."""
+
 MAX_SCHEDULED = 64
+"""So many requests may wait for their ticks."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ from lexstack.robots import Team
 from lexstack.types import LinearTask, Matrix, Vector
 
 Columns = slice | NDArray[np.intp]
+"""Joints in chi; a slice where they stand side by side."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.limits.viable_bounds import approach_speed
+from lexstack.limits.stopping import approach_speed
 from lexstack.types import Vector
 
 _ARRIVED = 1e-4  # of the gap: the braking law comes closer by a constant factor a tick

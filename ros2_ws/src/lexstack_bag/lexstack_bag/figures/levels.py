@@ -12,13 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lexstack.errors import LexstackError
-from lexstack.hqp.diagnosis import Blocked, blocked
-from lexstack.hqp.problem import HqpProblem, Solution, Status
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.hqp import Blocked, HqpProblem, Solution, Status, blocked
+from lexstack.limits import Bounds
 from lexstack.robots import Team
-from lexstack.state import RobotState
-from lexstack.tasks.stack import Stack, build_stack
-from lexstack.types import LinearTask, Vector
+from lexstack.tasks import Stack, build_stack
+from lexstack.types import LinearTask, RobotState, Vector
 from lexstack_bag.figures.phases import Phase
 from lexstack_bag.figures.series import COMMANDER, Measures
 from lexstack_bag.run.run import Run

@@ -6,12 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lexstack.limits.limits_in_force import LimitOptions, LimitsInForce
-from lexstack.limits.viable_bounds import JointLimits
+from lexstack.limits import JointLimits, LimitOptions, LimitsInForce
 from lexstack.robots import Team
-from lexstack.state import RobotState
-from lexstack.tasks.stack import AT_REST, build_stack
-from lexstack.transition.methods import JERK_LIMITED
+from lexstack.tasks import AT_REST, build_stack
+from lexstack.transition import JERK_LIMITED
+from lexstack.types import RobotState
 from lexstack_bag.run.run import ChiStream, PlantStream, Run, TransitionPhase
 
 _JOINED = " + "  # between the names of several stacks

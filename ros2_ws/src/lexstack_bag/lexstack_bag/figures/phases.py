@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.stack import TaskConfig
+from lexstack.tasks import TaskConfig
 from lexstack.types import Vector
 from lexstack_bag.figures.series import COMMANDER
 from lexstack_bag.run.run import Run, TransitionPhase

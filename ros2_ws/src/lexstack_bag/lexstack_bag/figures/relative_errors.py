@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lexstack.robots import Team
-from lexstack.tasks.frame_pose import pose_error
-from lexstack.tasks.relative_pose import other_end
+from lexstack.tasks import other_end, pose_error
 from lexstack.types import Matrix, Vector
 from lexstack_bag.figures.phases import RELATIVE_TASKS, tasks_of
 from lexstack_bag.figures.series import Measures

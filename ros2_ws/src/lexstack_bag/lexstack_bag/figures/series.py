@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.limits.viable_bounds import JointLimits
+from lexstack.limits import JointLimits
 from lexstack.references import References
 from lexstack.robots import Team
 from lexstack.types import Matrix, Vector

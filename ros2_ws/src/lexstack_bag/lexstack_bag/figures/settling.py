@@ -7,14 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.reader import build
-from lexstack.robots import Team
-from lexstack.robots.robot import ARM
-from lexstack.tasks.posture import PostureParameters, posture_target
+from lexstack.robots import ARM, Team
+from lexstack.tasks import PostureParameters, posture_target
 from lexstack.types import Vector
 from lexstack_bag.figures.phases import BASE_TASKS, EE_TASKS, POSTURE_TASKS, Phase, tasks_of
 from lexstack_bag.figures.series import Measures
 from lexstack_bag.run.run import Run
+from lexstack_config.reader import build
 
 # An error has settled once it stays below its steady state plus this.
 SETTLED_BAND = 1.0  # mm for end effectors and bases, mrad for postures

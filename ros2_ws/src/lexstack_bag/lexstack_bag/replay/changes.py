@@ -8,10 +8,10 @@ from typing import Any
 
 import yaml
 
-from lexstack.config.reader import build, plain
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.errors import ConfigurationError
-from lexstack.transition.methods import METHODS
+from lexstack.transition import METHODS
+from lexstack_config.reader import build, plain
+from lexstack_config.resolved import ResolvedScenario
 
 _ROOTS = ("scenario", "robots", "stacks", "htmpc")
 

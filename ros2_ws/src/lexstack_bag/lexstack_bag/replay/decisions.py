@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from lexstack.config.scenario import ScenarioConfig
-from lexstack.control.factory import build_references
 from lexstack.references import References, ReferenceSchedule, Setting, measured
 from lexstack.robots import Team
-from lexstack.state import RobotState
+from lexstack.types import RobotState
 from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.states import targets_of
+from lexstack_config.parts import build_references
+from lexstack_config.scenario import ScenarioConfig
 
 
 class Decisions:

@@ -13,10 +13,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from lexstack.control.controller import Controller
-from lexstack.control.factory import Parts, build_controller, build_stack_solver
-from lexstack.tasks.stack import Stack
-from lexstack.transition.robot_group import Columns
+from lexstack.control import Controller
+from lexstack.tasks import Stack
+from lexstack.transition import Columns
 from lexstack.types import Matrix, Vector
 from lexstack_bag.figures.series import COMMANDER
 from lexstack_bag.replay.decisions import Decisions
@@ -28,6 +27,7 @@ from lexstack_bag.replay.source import SOLVER, LiveSource, RecordedSource, Sourc
 from lexstack_bag.replay.states import EVER, States, all_of, begun_at
 from lexstack_bag.run.partial_chi import robots_of
 from lexstack_bag.run.run import ChiStream, Run
+from lexstack_config.parts import Parts, build_controller, build_stack_solver
 
 __all__ = ["REPLAYERS", "Question", "recorded_nodes", "replay_controller", "replay_solver"]
 

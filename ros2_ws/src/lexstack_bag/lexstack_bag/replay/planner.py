@@ -11,17 +11,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.mpc import SequenceTask
-from lexstack.mpc.sequence.runner import ARCHITECTURES, Change, SequenceRunner
+from lexstack.mpc import ARCHITECTURES, Change, SequenceRunner, SequenceTask
 from lexstack.robots import Team
-from lexstack.state import RobotState
-from lexstack.transition.sources.mpc_plans import HeardPlan
-from lexstack.types import Matrix, Vector
+from lexstack.transition import HeardPlan
+from lexstack.types import Matrix, RobotState, Vector
 from lexstack_bag.errors import BagError
 from lexstack_bag.replay.outcome import Joint, Outcome, joints_of
 from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.states import Arrivals, States
 from lexstack_bag.run.run import Planning, PlanStream, Run, SequenceEvent
+from lexstack_config.parts import build_team
 
 PLANNER = "htmpc"
 
@@ -48,7 +47,7 @@ def replay_planner(question: Question) -> Outcome:
     """
     if not question.run.planning:
         raise BagError(f"{question.run.path}: holds no plan of the HTMPC")
-    run, team = question.run, Team.from_scenario(question.resolved)
+    run, team = question.run, build_team(question.resolved)
     scenario = question.resolved.scenario
     config, blend = question.resolved.htmpc[scenario.htmpc.parameters], scenario.transition.duration
     found: dict[int, tuple[float, Matrix]] = {}  # by tick: stamp, and both plans of all robots

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.run.run import Run
 from lexstack_bag.storage.container import Progress
+from lexstack_config.resolved import ResolvedScenario
 
 
 @dataclass(frozen=True, slots=True)

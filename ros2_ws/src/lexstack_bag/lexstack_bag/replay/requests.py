@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack_bag.figures.series import COMMANDER
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.run.run import Run, StackRequested, TransitionPhase
+from lexstack_config.resolved import ResolvedScenario
 
 _CANCELLED, _GOING_BACK = "cancelled", "going back"
 """What robot A says in the reason of its status, see Transition.cancel."""

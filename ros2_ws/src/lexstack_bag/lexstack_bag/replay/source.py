@@ -7,15 +7,15 @@ from typing import Protocol
 
 import numpy as np
 
-from lexstack.control.controller import Controller
-from lexstack.control.factory import Parts, build_stack_solver
+from lexstack.control import Controller
 from lexstack.robots import Team
-from lexstack.state import RobotState
-from lexstack.transition.messages import Announcement, SourceSample, SourceSchedule
+from lexstack.transition import Announcement, SourceSample, SourceSchedule
+from lexstack.types import RobotState
 from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.states import Arrivals, all_of
 from lexstack_bag.run.partial_chi import robots_of
 from lexstack_bag.run.run import ChiStream, Run, SolveStatus
+from lexstack_config.parts import Parts, build_stack_solver
 
 SOLVER = "robot_b"
 """Whose chi robot B sends."""

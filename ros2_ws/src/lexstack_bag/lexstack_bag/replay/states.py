@@ -9,7 +9,7 @@ import numpy as np
 
 from lexstack.references import Target as ScheduledTarget
 from lexstack.robots import Team
-from lexstack.state import RobotState
+from lexstack.types import RobotState
 from lexstack_bag.run.partial_chi import concatenated, rows_of
 from lexstack_bag.run.references import scheduled
 from lexstack_bag.run.run import ChiStream, Integers, Run

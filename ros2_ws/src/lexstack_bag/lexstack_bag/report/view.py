@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from lexstack.spatial import to_quaternion
+from lexstack.robots import to_quaternion
 from lexstack.types import Vector
 from lexstack_bag.figures.phases import Phase
 from lexstack_bag.figures.series import Measures

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.mpc import SequenceTask
-from lexstack.mpc.tracking_objectives import MEASURES
+from lexstack.mpc import MEASURES, SequenceTask
 from lexstack_bag.errors import BagError
 from lexstack_bag.run.columns import StreamBuilder, seconds
 from lexstack_bag.run.run import Planning, PlanStream, ProgressStream, SequenceEvent

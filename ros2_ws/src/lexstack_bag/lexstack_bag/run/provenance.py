@@ -8,7 +8,7 @@ import subprocess
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from lexstack.config.resolved import ResolvedScenario
+from lexstack_config.resolved import ResolvedScenario
 
 SCENARIO = "/robot_a/scenario"
 """Where robot A publishes the resolved scenario, for recorders that are not lexstack's own."""

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.errors import ConfigurationError, InputError
 from lexstack.references import WIDTHS, Setting, decode
 from lexstack.robots import Team
@@ -35,6 +34,8 @@ from lexstack_bag.run.stretches import Stretch, Stretches, without_strangers
 from lexstack_bag.storage.container import Container, Progress, RawMessage, find_files
 from lexstack_bag.storage.decoder import Decoder
 from lexstack_bag.storage.writer import CLOSING_RECORD, SCENARIO_RECORD
+from lexstack_config.parts import build_team
+from lexstack_config.resolved import ResolvedScenario
 
 PLANT_STATE = "/plant/state"
 COMMAND = "/robot_a/chi"
@@ -75,7 +76,7 @@ def read_parts(
     files = find_files(path)
     container = Container(files)
     facts, resolved = read_facts(container)
-    team = Team.from_scenario(resolved)
+    team = build_team(resolved)
     collector = _Collector(resolved, team, plans=plans)
     for message in container.messages(progress):
         collector.add(message)

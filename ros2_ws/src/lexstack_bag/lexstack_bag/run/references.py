@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from lexstack.references import ROUNDING, References, ReferenceSchedule
+from lexstack.references import ROUNDING, References
 from lexstack.references import Target as ScheduledTarget
-from lexstack.robots import Pose, Team
-from lexstack.spatial import from_quaternion
+from lexstack.robots import Pose, Team, from_quaternion
 from lexstack_bag.run.run import Run, Target
+from lexstack_config.parts import build_references
 
 # What the controllers refuse, they refuse by these figures; see lexstack_ros.messages.conversions.
 _FARTHEST = 1000.0  # m
@@ -35,8 +35,7 @@ def references_in_effect(run: Run, team: Team) -> tuple[References, ...]:
     """
     if run.settings:
         return _goals(run)
-    home = team.home(run.resolved)
-    schedule = ReferenceSchedule.from_scenario(run.resolved.scenario, team, home)
+    schedule = build_references(run.resolved, team)
     schedule.lead_in = 0.0  # the goals count
     for target in run.targets:
         if target.robot in team.names:

@@ -15,11 +15,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.mpc import SequenceTask
 from lexstack.references import Setting
 from lexstack.robots import Team
 from lexstack.types import Matrix, Vector
+from lexstack_config.parts import build_team
+from lexstack_config.resolved import ResolvedScenario
 
 Integers = NDArray[np.int64]
 Strings = NDArray[Any]  # of str, equal texts are one object
@@ -238,7 +239,7 @@ class Run:
 
     def team(self) -> Team:
         """Return the robots' models."""
-        return Team.from_scenario(self.resolved)
+        return build_team(self.resolved)
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:

@@ -15,7 +15,6 @@ import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.errors import ConfigurationError, LexstackError
 from lexstack_bringup.commands.demo import (
     add_run_arguments,
@@ -30,6 +29,7 @@ from lexstack_bringup.player import PLAYER, Player
 from lexstack_bringup.processes import NODES, PLANNERS, bring_up, nodes_of
 from lexstack_bringup.shared_memory import remove_abandoned
 from lexstack_bringup.supervisor import Supervisor
+from lexstack_config.resolved import ResolvedScenario
 
 _LOOK = 0.2  # s between two looks whether all still run
 _KNOWN = (*NODES, *PLANNERS, PLAYER, SERVER)

@@ -17,11 +17,8 @@ import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from lexstack.config.available import FOR_OTHERS
-from lexstack.config.checks import shown
-from lexstack.config.resolved import ResolvedScenario, load_scenario
-from lexstack.control.checked import checked
 from lexstack.errors import ConfigurationError, LexstackError
+from lexstack.options import shown
 from lexstack_bag.commands.analyze import analyze, printable
 from lexstack_bag.figures.goals import summary_lines
 from lexstack_bag.storage.folders import whose
@@ -30,6 +27,9 @@ from lexstack_bringup.live_page import start_page
 from lexstack_bringup.player import PLAYER, Player
 from lexstack_bringup.processes import bring_up
 from lexstack_bringup.supervisor import Supervisor
+from lexstack_config.available import FOR_OTHERS
+from lexstack_config.checked import checked
+from lexstack_config.resolved import ResolvedScenario, load_scenario
 from lexstack_interfaces.msg import TransitionStatus
 from lexstack_ros.messages.names import PAGE
 from lexstack_ros.recorder.options import add_recording_arguments, recorder_parameters

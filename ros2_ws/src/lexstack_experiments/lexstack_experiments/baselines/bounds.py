@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.limits.viable_bounds import Bounds, JointLimits
+from lexstack.limits import Bounds, JointLimits
 from lexstack.types import Vector
 
 

@@ -12,15 +12,14 @@ from pathlib import Path
 
 import numpy as np
 
-from lexstack.config.checks import not_negative, positive
-from lexstack.config.reader import build, read_yaml
 from lexstack.errors import ConfigurationError
 from lexstack.hqp import HqpProblem, Solution, make_solver
-from lexstack.limits.viable_bounds import viable_bounds
-from lexstack.mpc.stage_kinematics import StageModel
-from lexstack.mpc.tracking_objectives import MEASURES, Kind
+from lexstack.limits import viable_bounds
+from lexstack.mpc import MEASURES, Kind, StageModel
+from lexstack.options import not_negative, positive
 from lexstack.robots import RobotModel
 from lexstack.types import LinearTask, Vector
+from lexstack_config.reader import build, read_yaml
 
 
 @dataclass(frozen=True, slots=True)

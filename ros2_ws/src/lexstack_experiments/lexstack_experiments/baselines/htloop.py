@@ -9,6 +9,7 @@ import numpy as np
 
 from lexstack.mpc import (
     Htmpc,
+    Kind,
     LevelStatus,
     Objective,
     Plan,
@@ -18,7 +19,6 @@ from lexstack.mpc import (
     Surroundings,
     Trajectory,
 )
-from lexstack.mpc.tracking_objectives import Kind
 from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htidkc import Htidkc
 

@@ -11,10 +11,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from lexstack.config.htmpc import BarrierConfig, CollisionConfig, HtmpcConfig
 from lexstack.errors import InputError
-from lexstack.mpc.symbolic import stage_function
-from lexstack.mpc.tracking_objectives import Kind
+from lexstack.mpc import BarrierConfig, CollisionConfig, HtmpcConfig, Kind, stage_function
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix
 

@@ -8,10 +8,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.htmpc import HtmpcConfig
 from lexstack.errors import InputError
-from lexstack.mpc import Objective, Surroundings
-from lexstack.mpc.tracking_objectives import Kind, Task
+from lexstack.mpc import HtmpcConfig, Kind, Objective, Surroundings, Task
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htmpc_casadi import Symbols, program

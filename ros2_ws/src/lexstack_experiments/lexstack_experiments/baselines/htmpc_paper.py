@@ -15,10 +15,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from lexstack.config.htmpc import HtmpcConfig
-from lexstack.mpc import Objective, Surroundings
-from lexstack.mpc.double_integrator import Horizon
-from lexstack.mpc.tracking_objectives import Kind
+from lexstack.mpc import Horizon, HtmpcConfig, Kind, Objective, Surroundings
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htmpc_casadi import Symbols, curvature, program, weights_of

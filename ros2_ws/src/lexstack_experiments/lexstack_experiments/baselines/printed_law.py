@@ -6,10 +6,9 @@ from typing import Literal
 
 import numpy as np
 
-from lexstack.limits.viable_bounds import Bounds, JointLimits
-from lexstack.state import RobotState
-from lexstack.transition.profiles import alpha
-from lexstack.types import Vector
+from lexstack.limits import Bounds, JointLimits
+from lexstack.transition import alpha
+from lexstack.types import RobotState, Vector
 from lexstack_experiments.baselines.bounds import EmptyBoxes, t31, t34
 
 Reading = Literal["T(31)", "T(34) old limits", "T(34) last box"]

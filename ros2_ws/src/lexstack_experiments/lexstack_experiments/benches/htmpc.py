@@ -21,12 +21,11 @@ from time import thread_time
 import casadi as ca
 import numpy as np
 
-from lexstack.config.htmpc import load_htmpc
-from lexstack.config.resolved import load_robot
 from lexstack.errors import ModelError
 from lexstack.mpc import Htmpc, Plan, Start, Surroundings, hold, steps
 from lexstack.robots import RobotModel
 from lexstack.types import Vector
+from lexstack_config.resolved import load_htmpc, load_robot
 from lexstack_experiments.baselines.htloop import Track, objectives_of
 from lexstack_experiments.baselines.htmpc_paper import LICENSED, SOLVERS, PaperHtmpc
 from lexstack_experiments.experiment import Experiment, Options

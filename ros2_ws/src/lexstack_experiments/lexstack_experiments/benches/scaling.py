@@ -13,12 +13,11 @@ from time import perf_counter
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.scenario import EventConfig
-from lexstack.control.factory import Parts, build_controller
-from lexstack.hqp import HqpProblem, make_solver
-from lexstack.hqp.backends.daqp import DaqpCascade
+from lexstack.hqp import DaqpCascade, HqpProblem, make_solver
 from lexstack.types import Vector
+from lexstack_config.parts import Parts, build_controller
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.scenario import EventConfig
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.recorded import record
 from lexstack_experiments.replay import Tape

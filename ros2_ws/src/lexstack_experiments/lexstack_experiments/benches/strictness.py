@@ -9,10 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lexstack.hqp import HqpSolver
-from lexstack.hqp.backends.daqp import DaqpCascade
-from lexstack.hqp.backends.proxqp import ProxqpCascade
-from lexstack.hqp.backends.quadprog import QuadprogCascade
+from lexstack.hqp import DaqpCascade, HqpSolver, ProxqpCascade, QuadprogCascade
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.peers import STRICT, installed
 from lexstack_experiments.hierarchies.random_problems import SINGULAR, problems

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 import yaml
 
-from lexstack.config.resolved import ResolvedScenario, load_scenario
 from lexstack.errors import LexstackError
 from lexstack_bag.run.run import Integers
 from lexstack_bag.storage.container import Container, find_files
 from lexstack_bag.storage.decoder import Decoder
+from lexstack_config.resolved import ResolvedScenario, load_scenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
 

@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.scenario import EventConfig, PoseConfig
-from lexstack.control.factory import Parts, build_controller
 from lexstack.hqp import Damper
+from lexstack_config.parts import Parts, build_controller
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.scenario import EventConfig, PoseConfig
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.reach_runs import Undamped
 from lexstack_experiments.replay import Tape

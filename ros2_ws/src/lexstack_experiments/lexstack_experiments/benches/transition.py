@@ -14,9 +14,9 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.control.factory import Parts, build_controller
-from lexstack.limits.viable_bounds import viable_bounds
+from lexstack.limits import viable_bounds
 from lexstack.types import Vector
+from lexstack_config.parts import Parts, build_controller
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.probes import Stopwatch, counting_controller, timed_parts
 from lexstack_experiments.replay import Tape

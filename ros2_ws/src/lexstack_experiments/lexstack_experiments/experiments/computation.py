@@ -15,11 +15,10 @@ from time import perf_counter, process_time, sleep
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.robots import Team
-from lexstack.transition.messages import Source
-from lexstack.transition.profiles import alpha
+from lexstack.transition import Source, alpha
 from lexstack.types import Vector
+from lexstack_config.parts import build_team
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
@@ -113,7 +112,7 @@ def _apart(resolved: ResolvedScenario, *, behind: bool = False) -> Times:
 
 def _loop(resolved: ResolvedScenario) -> Loop:
     """Return a closed loop in the ideal plant."""
-    return Loop(resolved, IdealPlant(resolved, Team.from_scenario(resolved)))
+    return Loop(resolved, IdealPlant(resolved, build_team(resolved)))
 
 
 def _timed(loop: Loop) -> Times:

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from lexstack.config.htmpc import load_htmpc
 from lexstack.mpc import Htmpc, SequenceTask
 from lexstack.types import Matrix
+from lexstack_config.resolved import load_htmpc
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_pictures import draw_deliveries
 from lexstack_experiments.experiments.htmpc_runs import Setting, setting

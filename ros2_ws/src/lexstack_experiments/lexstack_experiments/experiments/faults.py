@@ -14,9 +14,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.errors import LexstackError
-from lexstack.robots import Team
+from lexstack_config.parts import build_team
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.fault_checks import Outcome, outcome
 from lexstack_experiments.experiments.fault_cuts import CUTS, cut_events, why_no_cut
@@ -122,7 +122,7 @@ def _judged(
     record.diagnostics += [Told(*entry) for entry in heard if "recorder" in entry[1] + entry[2]]
     record.transitions += [Told(*entry) for entry in reasons]
     options.say(f"{len(record.messages)} messages read from {len(bags)} bags")
-    limits = Team.from_scenario(resolved).limits
+    limits = build_team(resolved).limits
     dt = 1.0 / resolved.scenario.rate
     return [outcome(event, record, limits, dt) for event in events], record.unreadable
 

@@ -12,9 +12,9 @@ from time import perf_counter
 
 import numpy as np
 
-from lexstack.config.resolved import load_robot
 from lexstack.robots import RobotModel
 from lexstack.types import Vector
+from lexstack_config.resolved import load_robot
 from lexstack_experiments.baselines.htidkc import Htidkc, load_htidkc
 from lexstack_experiments.benches import htmpc as bench
 from lexstack_experiments.experiment import Experiment, Options

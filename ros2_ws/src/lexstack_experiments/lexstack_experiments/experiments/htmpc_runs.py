@@ -14,12 +14,11 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
-from lexstack.config.htmpc import HtmpcConfig
-from lexstack.config.resolved import load_robot
 from lexstack.errors import ModelError
-from lexstack.mpc import Htmpc, hold, steps
+from lexstack.mpc import Htmpc, HtmpcConfig, hold, steps
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
+from lexstack_config.resolved import load_robot
 from lexstack_experiments.baselines.htidkc import Htidkc, HtidkcConfig
 from lexstack_experiments.baselines.htloop import Record, Track, follow_htidkc, follow_htmpc
 

@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 import yaml
 
-from lexstack.config.htmpc import HtmpcConfig, load_htmpc
-from lexstack.config.reader import plain
+from lexstack.mpc import HtmpcConfig
 from lexstack.types import Matrix, Vector
+from lexstack_config.reader import plain
+from lexstack_config.resolved import load_htmpc
 from lexstack_experiments.baselines.htidkc import HtidkcConfig, load_htidkc
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_runs import (

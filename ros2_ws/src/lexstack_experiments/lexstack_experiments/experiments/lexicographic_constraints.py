@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lexstack.config.htmpc import Constraint, HtmpcConfig, load_htmpc
+from lexstack.mpc import Constraint, HtmpcConfig
+from lexstack_config.resolved import load_htmpc
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_pictures import draw_constraints
 from lexstack_experiments.experiments.htmpc_runs import (

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.scenario import EventConfig
 from lexstack.references import Target
-from lexstack.robots import Pose, Team
-from lexstack.transition.profiles import quintic
+from lexstack.robots import Pose
+from lexstack.transition import quintic
 from lexstack.types import Vector
+from lexstack_config.parts import build_team, home_of
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.scenario import EventConfig
 from lexstack_experiments.links import Delayed, Frozen, Lost
 from lexstack_experiments.loop import Link
 from lexstack_experiments.runs import changed, scenario_of
@@ -174,8 +175,8 @@ def _switches(
 
 def _tools(resolved: ResolvedScenario) -> tuple[Pose, ...]:
     """Return where the tools start."""
-    team = Team.from_scenario(resolved)
-    return team.tools(team.home(resolved))
+    team = build_team(resolved)
+    return team.tools(home_of(team, resolved))
 
 
 def _moved(tools: tuple[Pose, ...], offset: Vector, time: float) -> list[Target]:

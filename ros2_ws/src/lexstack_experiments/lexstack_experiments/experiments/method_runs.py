@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lexstack.robots import Team
-from lexstack.transition.messages import Source
+from lexstack.transition import Source
 from lexstack.types import Vector
+from lexstack_config.parts import build_team
 from lexstack_experiments.experiments.method_cases import Case, Row
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
@@ -72,7 +73,7 @@ class Play:
         """Run the whole case."""
         resolved = with_method(case.resolved, method)
         controller, tally = counting_controller(resolved)
-        team = Team.from_scenario(resolved)
+        team = build_team(resolved)
         self.loop = Loop(resolved, IdealPlant(resolved, team), controller)
         self.loop.link = case.link()
         levels = [0]

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.types import Matrix, Vector
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.obstacle_cases import BASE, DISTANCE, NOTHING, Case, cases
 from lexstack_experiments.experiments.obstacle_pictures import draw_clearance, render_passing

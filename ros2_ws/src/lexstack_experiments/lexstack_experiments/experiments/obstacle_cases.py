@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.scenario import EventConfig, PoseConfig
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.scenario import EventConfig, PoseConfig
 from lexstack_experiments.runs import changed
 
 NOTHING, BASE, DISTANCE = "nothing", "base task", "distance task"

@@ -13,11 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lexstack.config.htmpc import HtmpcConfig, load_htmpc
-from lexstack.mpc import Htmpc, Objective, Plan, Start
-from lexstack.mpc.tracking_objectives import Kind, Task
+from lexstack.mpc import Htmpc, HtmpcConfig, Kind, Objective, Plan, Start, Task
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
+from lexstack_config.resolved import load_htmpc
 from lexstack_experiments.baselines.htloop import objectives_of
 from lexstack_experiments.baselines.htmpc_oracle import HtmpcOracle, OracleLevel
 from lexstack_experiments.experiment import Experiment, Options

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.robots import Team
+from lexstack_config.parts import build_team, home_of
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.reach_cases import (
     KINDS,
@@ -56,8 +56,8 @@ def run_experiment(options: Options) -> Results:
     """Run all cases with all laws, and compare."""
     resolved = scenario_of(options.config, "transition-sequence")
     resolved = changed(resolved, seed=options.seed)
-    team = Team.from_scenario(resolved)
-    home = team.home(resolved)
+    team = build_team(resolved)
+    home = home_of(team, resolved)
     outside: list[Outcome] = []
     inside: list[Outcome] = []
     for place, kind in enumerate(KINDS):

@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.stack import LevelConfig, StackConfig, TaskConfig
-from lexstack.robots import Pose, Team
-from lexstack.spatial import from_rpy
+from lexstack.robots import Pose, Team, from_rpy
+from lexstack.tasks import LevelConfig, StackConfig, TaskConfig
 from lexstack.types import Vector
+from lexstack_config.resolved import ResolvedScenario
 
 REACH = 1.25  # m from the shoulder: no tool of the Panda comes so far
 SHOULDER = 0.841  # m above the floor

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.robots import Team
 from lexstack.types import Vector
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Options
 from lexstack_experiments.experiments.reach_cases import Case, out_of_reach, straight_up
 from lexstack_experiments.experiments.reach_runs import Motion, errors, gap, run

@@ -8,17 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.control.controller import Command
-from lexstack.control.factory import Parts, build_controller
+from lexstack.control import Command
 from lexstack.hqp import Damped, Damper, HqpProblem
-from lexstack.limits.joint_limits import JointLimits
-from lexstack.limits.limits_in_force import LimitOptions, LimitsInForce
+from lexstack.limits import JointLimits, LimitOptions, LimitsInForce
 from lexstack.references import Target
 from lexstack.robots import Kinematics, Team
-from lexstack.tasks.frame_pose import pose_error
-from lexstack.tasks.relative_pose import cross, other_end
+from lexstack.tasks import cross, other_end, pose_error
 from lexstack.types import LinearTask, Matrix, Vector
+from lexstack_config.parts import Parts, build_controller
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiments.reach_cases import KINDS, Case, scenario
 from lexstack_experiments.ideal import IdealPlant
 

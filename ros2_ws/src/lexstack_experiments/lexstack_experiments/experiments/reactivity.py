@@ -17,10 +17,10 @@ from typing import Literal
 
 import numpy as np
 
-from lexstack.config.htmpc import HtmpcConfig, load_htmpc
-from lexstack.mpc import HT_ARCH, Htmpc, Present, SequenceTask
+from lexstack.mpc import HT_ARCH, Htmpc, HtmpcConfig, Present, SequenceTask
 from lexstack.mpc import Sequence as TaskSequence
 from lexstack.types import Vector
+from lexstack_config.resolved import load_htmpc
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_pictures import draw_reactions
 from lexstack_experiments.experiments.htmpc_runs import Setting, setting

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lexstack.config.plant import PlantConfig
-from lexstack.config.resolved import ResolvedScenario
+from lexstack_config.plant import PlantConfig
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.results import Cell, Figure, Goal, Results, Table

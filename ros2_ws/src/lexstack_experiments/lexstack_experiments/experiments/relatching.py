@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.control.factory import Parts
+from lexstack_config.parts import Parts
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.relatching_trains import (
     RATE,

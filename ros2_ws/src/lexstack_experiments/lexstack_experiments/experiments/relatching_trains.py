@@ -8,15 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.scenario import TransitionConfig
-from lexstack.control.factory import Parts
 from lexstack.references import References
 from lexstack.robots import Pose, Team
-from lexstack.state import RobotState
-from lexstack.transition.messages import Announcement, Source, SourceSample
-from lexstack.transition.profiles import quintic
-from lexstack.types import Vector
+from lexstack.transition import Announcement, Source, SourceSample, TransitionConfig, quintic
+from lexstack.types import RobotState, Vector
+from lexstack_config.parts import Parts
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.runs import changed

@@ -14,13 +14,12 @@ from time import thread_time
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.scenario import EventConfig, PlacementConfig
-from lexstack.control.factory import Parts, build_controller
 from lexstack.hqp import SOLVERS, HqpProblem, HqpSolver, Solution, make_solver
-from lexstack.robots import Team
-from lexstack.transition.messages import Phase
+from lexstack.transition import Phase
 from lexstack.types import Vector
+from lexstack_config.parts import Parts, build_controller, build_team
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.scenario import EventConfig, PlacementConfig
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
@@ -275,7 +274,7 @@ def draw(cases: list[Case], rows: list[tuple[Cell, ...]], path: Path) -> None:
 
 def _draw_alphas(case: Case, plot: Callable[..., object]) -> None:
     """Draw alpha of every robot that is in a blend."""
-    team = Team.from_scenario(case.tape.resolved)
+    team = build_team(case.tape.resolved)
     for name in team.names:
         points = [
             (command.stamp, state.alpha)

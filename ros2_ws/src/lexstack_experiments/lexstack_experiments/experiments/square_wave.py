@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from lexstack.config.htmpc import load_htmpc
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
+from lexstack_config.resolved import load_htmpc
 from lexstack_experiments.baselines.htidkc import load_htidkc
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_pictures import (

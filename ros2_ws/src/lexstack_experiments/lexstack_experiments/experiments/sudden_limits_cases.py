@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.scenario import EventConfig
-from lexstack.config.stack import JointLimitConfig
-from lexstack.control.factory import Parts
-from lexstack.limits.limits_in_force import BoxLaw, LimitOptions, LimitsInForce
+from lexstack.limits import BoxLaw, LimitOptions, LimitsInForce
+from lexstack.tasks import JointLimitConfig
+from lexstack_config.parts import Parts
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.scenario import EventConfig
 from lexstack_experiments.baselines.printed_law import PrintedLaw, Reading, Repair
 from lexstack_experiments.runs import changed, scenario_of, with_method
 

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from lexstack.limits.limit_timing import Motion
-from lexstack.limits.viable_bounds import JointLimits
+from lexstack.limits import JointLimits, Motion
 
 KEPT = 1e-9  # m, rad: outside by no more is inside
 _MOST = 1000  # ticks

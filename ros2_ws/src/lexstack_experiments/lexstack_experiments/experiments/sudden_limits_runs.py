@@ -7,12 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.control.factory import Parts, build_controller
-from lexstack.limits.limit_timing import Motion
-from lexstack.limits.limits_in_force import BoxLaw
-from lexstack.limits.viable_bounds import Bounds, JointLimits
-from lexstack.state import RobotState
-from lexstack.types import Matrix, Vector
+from lexstack.limits import Bounds, BoxLaw, JointLimits, Motion
+from lexstack.types import Matrix, RobotState, Vector
+from lexstack_config.parts import Parts, build_controller
 from lexstack_experiments.baselines.printed_law import PrintedLaw
 from lexstack_experiments.experiments.sudden_limits_cases import STACK, Case, Law
 from lexstack_experiments.experiments.sudden_limits_least import KEPT, least_ticks

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import astuple
 
-from lexstack.transition.methods import METHODS
+from lexstack.transition import METHODS
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.method_cases import Case, cases
 from lexstack_experiments.experiments.method_pictures import draw

@@ -6,10 +6,10 @@ baseline: the new stack at once, within the same acceleration limits.
 
 from __future__ import annotations
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.transition.methods import METHODS
+from lexstack.transition import METHODS
 from lexstack_bag.figures.figures import PerRobot, PhaseMetrics
 from lexstack_bag.figures.goals import goals_of
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.sequence_pictures import draw
 from lexstack_experiments.loop import Loop

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.config.htmpc import load_htmpc
 from lexstack.mpc import HT_ARCH, ST_ARCH, Htmpc, SequenceTask
 from lexstack.types import Matrix, Vector
+from lexstack_config.resolved import load_htmpc
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_pictures import draw_tracks_from_above
 from lexstack_experiments.experiments.htmpc_runs import Setting, farthest, setting

@@ -22,8 +22,7 @@ import pinocchio
 import quadprog
 from proxsuite import proxqp
 
-from lexstack.hqp import HqpProblem, HqpSolver, Solution, Status
-from lexstack.hqp.hierarchy import Hierarchy
+from lexstack.hqp import Hierarchy, HqpProblem, HqpSolver, Solution, Status
 from lexstack.types import Matrix, Vector
 
 _PROXIMAL = 1e-9  # of a trace of about 1

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from lexstack.hqp import HqpProblem
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask, Matrix, Vector
 
 KINDS = ("nominal", "tight", "deficient", "infeasible", "pinned")

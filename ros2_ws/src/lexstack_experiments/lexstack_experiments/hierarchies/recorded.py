@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.control.factory import Parts, build_controller
 from lexstack.hqp import HqpProblem, HqpSolver, Solution, make_solver
-from lexstack.limits.viable_bounds import JointLimits
-from lexstack.transition.messages import Source
+from lexstack.limits import JointLimits
+from lexstack.transition import Source
+from lexstack_config.parts import Parts, build_controller
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lexstack.hqp import HqpProblem, HqpSolver
-from lexstack.hqp.backends.oracle import lexicographic_oracle
+from lexstack.hqp import HqpProblem, HqpSolver, lexicographic_oracle
 from lexstack_experiments.hierarchies.certificate import certified_excess
 from lexstack_experiments.hierarchies.random_problems import SINGULAR
 

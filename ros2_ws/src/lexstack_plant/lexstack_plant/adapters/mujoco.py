@@ -15,8 +15,8 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
 from lexstack.errors import InputError, LexstackError
-from lexstack.robots import Team
-from lexstack.state import RobotState
+from lexstack.types import RobotState
+from lexstack_config.parts import build_team
 from lexstack_interfaces.msg import Chi
 from lexstack_interfaces.srv import ApplyWrench
 from lexstack_plant.options import BridgeOptions
@@ -51,7 +51,7 @@ class SimBridge(Node):
         resolved = scenario_parameter(self)
         scenario = resolved.scenario
         self._options = BridgeOptions.declare(self)
-        self._team = Team.from_scenario(resolved)
+        self._team = build_team(resolved)
         self._plant = Plant(resolved, self._team, scenario.seed)
         self._pacer = Pacer(scenario.mode, self._plant.period, scenario.timeouts.command_wall)
         last = round(scenario.duration * scenario.rate)

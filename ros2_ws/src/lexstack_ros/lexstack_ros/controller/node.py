@@ -9,9 +9,9 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
-from lexstack.control.factory import Parts, build_controller
 from lexstack.errors import InputError
-from lexstack.state import RobotState
+from lexstack.types import RobotState
+from lexstack_config.parts import Parts, build_controller
 from lexstack_interfaces.msg import Chi, TransitionStatus
 from lexstack_ros.controller.references import Decisions, TargetTopics
 from lexstack_ros.controller.switch_services import Requests

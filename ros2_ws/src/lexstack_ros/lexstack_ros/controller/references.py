@@ -13,10 +13,8 @@ from rclpy.publisher import Publisher
 
 from lexstack.errors import InputError
 from lexstack.references import ReferenceSchedule, ReferenceTimeline, SetPoint, Setting
-from lexstack.robots import Pose, Team
-from lexstack.spatial import from_rpy, to_quaternion
-from lexstack.state import RobotState
-from lexstack.types import Vector
+from lexstack.robots import Pose, Team, from_rpy, to_quaternion
+from lexstack.types import RobotState, Vector
 from lexstack_interfaces.msg import References
 from lexstack_ros.controller.transition_parameters import LeadInParameter
 from lexstack_ros.messages.conversions import pose_message, to_base_target, to_ee_target

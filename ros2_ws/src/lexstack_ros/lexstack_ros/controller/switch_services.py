@@ -6,10 +6,9 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from lexstack.config.scenario import ScenarioConfig
 from lexstack.robots import Team
-from lexstack.transition.manager import Transition
-from lexstack.transition.requests import Answer
+from lexstack.transition import Answer, Transition
+from lexstack_config.scenario import ScenarioConfig
 from lexstack_interfaces.msg import StackRequest
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.controller.transition_parameters import TransitionParameters

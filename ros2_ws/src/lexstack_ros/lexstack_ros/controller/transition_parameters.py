@@ -8,9 +8,7 @@ from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParam
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from lexstack.config.scenario import TransitionConfig
-from lexstack.transition.methods import METHODS
-from lexstack.transition.requests import MAX_DURATION
+from lexstack.transition import MAX_DURATION, METHODS, TransitionConfig
 
 DURATION = "transition_duration"
 METHOD = "transition_method"

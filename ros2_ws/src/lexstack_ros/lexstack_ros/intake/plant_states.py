@@ -8,7 +8,7 @@ from rclpy.node import Node
 
 from lexstack.errors import InputError
 from lexstack.robots import Team
-from lexstack.state import RobotState
+from lexstack.types import RobotState
 from lexstack_interfaces.msg import PlantState
 from lexstack_ros.intake.delays import Delays, with_info
 from lexstack_ros.intake.drain import waiting

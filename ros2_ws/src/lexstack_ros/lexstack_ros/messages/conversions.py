@@ -15,15 +15,13 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
 
-from lexstack.config.checks import shown
-from lexstack.control.controller import Command
+from lexstack.control import Command
 from lexstack.errors import InputError
+from lexstack.options import shown
 from lexstack.references import Target
-from lexstack.robots import Pose, Team
-from lexstack.spatial import from_quaternion
-from lexstack.state import RobotState
-from lexstack.transition.messages import Announcement, SourceSample, TransitionState
-from lexstack.types import Vector
+from lexstack.robots import Pose, Team, from_quaternion
+from lexstack.transition import Announcement, SourceSample, TransitionState
+from lexstack.types import RobotState, Vector
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
 
 WORLD = "world"

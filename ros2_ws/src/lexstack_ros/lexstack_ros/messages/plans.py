@@ -10,15 +10,12 @@ from geometry_msgs.msg import Pose
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from lexstack import mpc as core
-from lexstack.config.checks import shown
 from lexstack.errors import InputError
-from lexstack.mpc import Plan, SequenceTask
-from lexstack.mpc.sequence.runner import Progress
-from lexstack.mpc.tracking_objectives import MEASURES
-from lexstack.robots import Team
-from lexstack.spatial import from_rpy, to_quaternion
-from lexstack.state import RobotState
-from lexstack.transition.sources.mpc_plans import HeardPlan
+from lexstack.mpc import MEASURES, Plan, Progress, SequenceTask
+from lexstack.options import shown
+from lexstack.robots import Team, from_rpy, to_quaternion
+from lexstack.transition import HeardPlan
+from lexstack.types import RobotState
 from lexstack_interfaces.msg import Sequence, SequenceStatus
 from lexstack_interfaces.msg import SequenceTask as TaskMessage
 from lexstack_ros.messages.conversions import WORLD, to_array, to_seconds, to_time, to_vector

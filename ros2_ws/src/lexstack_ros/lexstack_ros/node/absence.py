@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lexstack.transition.messages import TransitionState
+from lexstack.transition import TransitionState
 
 
 class Journal:

@@ -18,8 +18,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-from lexstack.config.scenario import Mode
 from lexstack.errors import ConfigurationError, LexstackError
+from lexstack_config.scenario import Mode
 from lexstack_ros.node.parent import end_with_supervisor
 
 BAD_ARGUMENT = 2

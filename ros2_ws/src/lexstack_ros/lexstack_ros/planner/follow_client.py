@@ -10,11 +10,10 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.stack import plan_stack
 from lexstack.errors import InputError
 from lexstack.robots import Team
-from lexstack.tasks.stack import AT_REST
+from lexstack.tasks import AT_REST, plan_stack
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_interfaces.msg import TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.messages.qos import STREAM

@@ -10,14 +10,12 @@ from typing import Any
 import numpy as np
 from rclpy.action.server import ActionServer, ServerGoalHandle
 
-from lexstack.config.checks import shown
 from lexstack.errors import InputError
-from lexstack.mpc import SequenceTask
-from lexstack.mpc.sequence.runner import ARCHITECTURES
-from lexstack.mpc.sequence.sequence import check_tasks
+from lexstack.mpc import ARCHITECTURES, SequenceTask, check_tasks
+from lexstack.options import shown
 from lexstack.robots import Team
-from lexstack.state import RobotState
-from lexstack.transition.requests import too_far
+from lexstack.transition import too_far
+from lexstack.types import RobotState
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import SequenceStatus
 from lexstack_ros.messages.plans import to_tasks

@@ -10,13 +10,12 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
-from lexstack.config.stack import plan_stack
 from lexstack.errors import InputError
-from lexstack.mpc.sequence.reach import Reach
-from lexstack.mpc.sequence.runner import ARCHITECTURES, Change, SequenceRunner
-from lexstack.robots import Team
-from lexstack.state import RobotState
-from lexstack.transition.requests import MAX_SCHEDULED, too_far
+from lexstack.mpc import ARCHITECTURES, Change, Reach, SequenceRunner
+from lexstack.tasks import plan_stack
+from lexstack.transition import MAX_SCHEDULED, too_far
+from lexstack.types import RobotState
+from lexstack_config.parts import build_team
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import Sequence, SequenceStatus
 from lexstack_ros.intake.plant_states import PlantStates
@@ -48,7 +47,7 @@ class HtmpcNode(Node):
         super().__init__("htmpc")
         self._resolved = scenario_parameter(self)
         scenario = self._resolved.scenario
-        self._team = Team.from_scenario(self._resolved)
+        self._team = build_team(self._resolved)
         self._horizon = scenario.horizon_ticks
         self._every = scenario.htmpc.ticks(scenario.rate)
         self._lockstep = scenario.mode == "lockstep"

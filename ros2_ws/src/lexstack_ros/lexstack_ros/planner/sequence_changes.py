@@ -9,9 +9,9 @@ from typing import Any, Literal
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from lexstack.config.checks import shown
 from lexstack.errors import InputError
-from lexstack.mpc.sequence.runner import Change
+from lexstack.mpc import Change
+from lexstack.options import shown
 from lexstack.robots import Team
 from lexstack_interfaces.srv import ChangeSequence
 from lexstack_ros.messages.plans import to_task

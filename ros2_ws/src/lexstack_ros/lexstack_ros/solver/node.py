@@ -8,13 +8,13 @@ from time import perf_counter
 import numpy as np
 from rclpy.node import Node
 
-from lexstack.control.factory import Parts, build_stack_solver
-from lexstack.control.stack_solver import share
+from lexstack.control import share
 from lexstack.errors import InputError
 from lexstack.hqp import near_singularity
 from lexstack.robots import Kinematics
-from lexstack.state import RobotState
-from lexstack.transition.messages import Announcement, SourceSchedule
+from lexstack.transition import Announcement, SourceSchedule
+from lexstack.types import RobotState
+from lexstack_config.parts import Parts, build_stack_solver
 from lexstack_interfaces.msg import Chi, References, StackRequest
 from lexstack_ros.controller.references import KEPT, HeardReferences
 from lexstack_ros.intake.plant_states import PlantStates

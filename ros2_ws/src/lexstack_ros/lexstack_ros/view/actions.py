@@ -12,8 +12,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from lexstack.references import References
-from lexstack.robots import Pose, Team
-from lexstack.spatial import from_rpy, to_quaternion
+from lexstack.robots import Pose, Team, from_rpy, to_quaternion
 from lexstack_interfaces.srv import ApplyWrench, SwitchStack
 from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import STREAM

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lexstack.references import References
-from lexstack.robots import Team
-from lexstack.spatial import to_quaternion
+from lexstack.robots import Team, to_quaternion
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.messages.conversions import to_seconds
 

@@ -17,7 +17,7 @@ from rclpy.serialization import deserialize_message
 
 from lexstack.errors import InputError
 from lexstack.references import References, measured
-from lexstack.robots import Team
+from lexstack_config.parts import build_team, home_of
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.controller.references import HeardReferences
 from lexstack_ros.messages.conversions import to_seconds, to_vector
@@ -43,7 +43,7 @@ class ViewNode(Node):
         super().__init__(PAGE)
         self.niceness = LAST
         self._resolved = scenario_parameter(self)
-        self._team = team = Team.from_scenario(self._resolved)
+        self._team = team = build_team(self._resolved)
         self._state: bytes | None = None
         self._chi: dict[str, bytes] = {}
         # Of two ticks, and of every robot at most one at a tick.
@@ -106,7 +106,7 @@ class ViewNode(Node):
         """Return the references in effect; before robot A decides any, where the robots start."""
         timeline = self._references.timeline
         if timeline.newest is None:
-            return measured(self._team, self._team.home(self._resolved))
+            return measured(self._team, home_of(self._team, self._resolved))
         return timeline.at(self._shown_at)
 
     def _transitions(self) -> list[TransitionStatus]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from importlib import resources
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.robots import Team
 from lexstack_bag.report import inline
 from lexstack_bag.report.html import json_text, new_nonce, policy, render, render_text, trusted
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_sim.scene import scene
 
 

@@ -17,12 +17,12 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import SetBool
 
-from lexstack.config.resolved import ResolvedScenario
 from lexstack.errors import LexstackError
 from lexstack.mpc import SequenceTask
 from lexstack_bringup.domain import own_domain
 from lexstack_bringup.processes import MODULES, RECORDER, arguments_of, bring_up, nodes_of
 from lexstack_bringup.supervisor import Child, Supervisor
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack

@@ -16,10 +16,10 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.yaml_text import read_text
 from lexstack.errors import LexstackError
 from lexstack_bringup.processes import RECORDER
+from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.yaml_text import read_text
 from lexstack_testing.faults.cases import CASES, FLOOD, FLOOD_TIME, STOPPED, Case
 from lexstack_testing.faults.disk import small_disk
 from lexstack_testing.faults.hostile import Stranger

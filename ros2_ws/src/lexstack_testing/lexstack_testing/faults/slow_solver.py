@@ -6,7 +6,7 @@ import sys
 import time
 from typing import Any
 
-from lexstack.control.stack_solver import StackSolver
+from lexstack.control import StackSolver
 from lexstack.hqp import Solution
 from lexstack_ros.node.spin import run_node
 from lexstack_ros.solver.node import StackSolverNode

@@ -17,7 +17,7 @@ from scipy.optimize import lsq_linear
 from lexstack.hqp.hierarchy import Hierarchy
 from lexstack.hqp.preconditions import starting_point, touched
 from lexstack.hqp.problem import HqpProblem, Solution, Status, called
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits.joint_limits import Bounds
 from lexstack.types import LinearTask, Matrix, Vector
 
 PENALTY = 1e2

@@ -15,7 +15,7 @@ from lexstack.errors import InputError
 from lexstack.mpc.rotations import from_quaternions
 from lexstack.mpc.sequence.task import SequenceTask
 from lexstack.robots import Obstacles, Pose, RobotModel
-from lexstack.spatial import log3
+from lexstack.robots.spatial import log3
 from lexstack.types import Vector
 
 Place = tuple[float, float, float]  # of a base: x [m], y [m], yaw [rad]

@@ -7,18 +7,17 @@ from typing import Literal
 
 import numpy as np
 
-from lexstack.config.htmpc import HtmpcConfig
-from lexstack.config.sequence import SequenceConfig
 from lexstack.errors import InputError
 from lexstack.mpc.collision_cost import Surroundings
 from lexstack.mpc.htmpc import Htmpc, Start
+from lexstack.mpc.options import HtmpcConfig
 from lexstack.mpc.plan import Plan
+from lexstack.mpc.sequence.options import SequenceConfig
 from lexstack.mpc.sequence.robot_pose import Present
 from lexstack.mpc.sequence.sequence import HT_ARCH, ST_ARCH, Architecture, Sequence
 from lexstack.mpc.sequence.task import Point, SequenceTask
 from lexstack.robots import Team
-from lexstack.state import RobotState
-from lexstack.types import Vector
+from lexstack.types import RobotState, Vector
 
 _ROUNDING = 1e-9  # s
 

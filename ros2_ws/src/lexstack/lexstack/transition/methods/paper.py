@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lexstack.hqp import HqpProblem
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits.joint_limits import Bounds
 from lexstack.transition.bridge import Bridge
 from lexstack.transition.methods.view import View, below
 

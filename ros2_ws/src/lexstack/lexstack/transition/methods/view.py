@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from lexstack.hqp import HqpProblem
-from lexstack.limits.viable_bounds import Bounds
+from lexstack.limits.joint_limits import Bounds
 from lexstack.transition.bridge import Bridge
 from lexstack.transition.robot_group import Part
 from lexstack.types import LinearTask, Vector

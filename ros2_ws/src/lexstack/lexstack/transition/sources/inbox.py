@@ -8,13 +8,13 @@ from typing import Protocol
 
 import numpy as np
 
-from lexstack.config.scenario import ScenarioConfig
 from lexstack.hqp import Solution
 from lexstack.references import References
 from lexstack.robots import Kinematics
 from lexstack.tasks.stack import Stack
 from lexstack.transition.channel_problem import Means
 from lexstack.transition.messages import Source, SourceSample
+from lexstack.transition.options import TransitionOptions
 from lexstack.transition.sources.newest_chi import Inbox
 from lexstack.transition.sources.residual_check import Rows, Witness
 from lexstack.types import Vector
@@ -83,16 +83,15 @@ class Choice:
 class Sources:
     """Robot B as it is heard, and what stands in for it."""
 
-    def __init__(self, local: LocalSource, scenario: ScenarioConfig) -> None:
-        """Know the stand-in, and from the scenario when B counts as lost."""
+    def __init__(self, local: LocalSource, options: TransitionOptions) -> None:
+        """Know the stand-in, and from the options when B counts as lost."""
         self._local = local
-        self._lost = Source(scenario.transition.on_loss)
+        self._lost = Source(options.switch.on_loss)
         self._inbox = Inbox()
-        # In lockstep the wait has happened, on the wall's clock, before a tick is served.
-        lockstep, timeouts = scenario.mode == "lockstep", scenario.timeouts
-        self._lockstep = lockstep
-        self._patience = 0 if lockstep else round(timeouts.source_patience * scenario.rate)
-        self.stale = 0 if lockstep else round(timeouts.source_stale * scenario.rate)
+        # In lockstep the wait has happened, outside, before a tick is served.
+        self._lockstep = lockstep = options.lockstep
+        self._patience = 0 if lockstep else options.patience
+        self.stale = 0 if lockstep else options.stale
         """The most ticks by which B's chi may be late."""
         self._witness = Witness(self.stale, 1 if lockstep else _EVIDENCE)
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.config.scenario import ScenarioConfig
 from lexstack.robots import Team
+from lexstack.transition.options import TransitionOptions
 from lexstack.types import Matrix, Vector
 
 _ROUNDING = 1e-9  # s
@@ -47,13 +47,13 @@ class HeardPlan:
 class PlanBook:
     """The newest plan of every robot."""
 
-    def __init__(self, team: Team, scenario: ScenarioConfig) -> None:
-        """Take from the scenario how often a plan comes, and when one is too old."""
+    def __init__(self, team: Team, options: TransitionOptions) -> None:
+        """Take from the options how often a plan comes, and when one is too old."""
         self._team = team
-        self._dt = 1.0 / scenario.rate
-        self._every = scenario.htmpc.ticks(scenario.rate)
-        self._lockstep = scenario.mode == "lockstep"
-        self._stale = round(scenario.timeouts.plan_stale * scenario.rate)
+        self._dt = team.dt
+        self._every = options.plan_every
+        self._lockstep = options.lockstep
+        self._stale = options.plan_stale
         self._plans: dict[int, HeardPlan] = {}
 
     def hear(self, plan: HeardPlan) -> None:

@@ -1,16 +1,16 @@
-"""The schema of ``config/htmpc/*.yaml``: horizon, weights and constraints of the HTMPC."""
+"""Parameters of the HTMPC: horizon, weights and constraints."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
-from lexstack.config.checks import not_negative, positive, shown
-from lexstack.config.reader import build, read_yaml
 from lexstack.errors import ConfigurationError
+from lexstack.options import not_negative, positive
 
 Constraint = Literal["sum", "stage", "axis"]
+"""How the levels below keep a level's result: H(11) as printed, per stage, or H(12)."""
+
 _MOST_STAGES = 100
 
 
@@ -145,9 +145,21 @@ class HtmpcConfig:
             )
 
 
-def load_htmpc(path: Path) -> HtmpcConfig:
-    """Return one file of ``config/htmpc``; raises ConfigurationError with file and key."""
-    config = build(HtmpcConfig, read_yaml(path), str(path))
-    if config.name != path.stem:
-        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(config.name)}")
-    return config
+DEFAULT_HTMPC = HtmpcConfig(
+    name="lexstack",
+    horizon=10,
+    step=0.1,
+    iterations=3,
+    enough=0.03,
+    lexicographic="axis",
+    correction=True,
+    resume=False,
+    hard_limits=True,
+    ee=TaskWeightsConfig(640.0, 6400.0, 100.0, 1000.0, 0.01, 0.01),
+    base=TaskWeightsConfig(54.0, 540.0, 100.0, 1000.0, 0.01, 0.01),
+    effort=EffortConfig(0.027, 0.027, 0.06, 0.051, 0.007, 0.0),
+    limits=BarrierConfig(0.001, 0.005),
+    collision=CollisionConfig(0.1, 0.005, 0.05, 0.3, ground=True),
+    line_search=LineSearchConfig(0.05, 0.5, 10),
+)
+"""The parameters of ``config/htmpc/lexstack.yaml``, where every one has its reason."""

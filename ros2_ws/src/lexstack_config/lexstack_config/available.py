@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from lexstack.config.checks import shown
-from lexstack.config.reader import build, read_yaml
-from lexstack.config.robot import RobotConfig
-from lexstack.config.scenario import ScenarioConfig
-from lexstack.config.stack import StackConfig
 from lexstack.errors import ConfigurationError
+from lexstack.options import shown
+from lexstack.robots import RobotConfig
+from lexstack.tasks import StackConfig
+from lexstack_config.reader import build, read_yaml
+from lexstack_config.scenario import ScenarioConfig
 
 FOR_OTHERS = "is for other robots: "
 """Begins the reason of a stack in which nothing is wrong, but whose robots a scenario has not."""

@@ -1,12 +1,12 @@
-"""The schema of ``config/stacks/*.yaml``: one stack of tasks."""
+"""What a stack is built from: its levels, their tasks, and limits while it is in effect."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from lexstack.config.checks import positive
 from lexstack.errors import ConfigurationError
+from lexstack.options import positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,11 +67,22 @@ class StackConfig:
     name: str
     description: str
     levels: tuple[LevelConfig, ...]
-    robots: tuple[str, ...] = ()  # that it moves; empty: all of the scenario
+    robots: tuple[str, ...] = ()  # that it moves; empty: all of the team
     # Who solves it in a transition. htmpc: robot A follows the MPC's plan for as long as it is on
     # this stack, and serves its levels where the plan is lost.
     source: Literal["robot_b", "htmpc"] = "robot_b"
     limits: dict[str, dict[str, JointLimitConfig]] = field(default_factory=dict)  # robot, joint
+
+    @classmethod
+    def of_tasks(cls, name: str, *types: str) -> StackConfig:
+        """Return a stack of one task a level, highest first: for every robot, as by default.
+
+        Args:
+            name: of the stack.
+            types: keys of ``lexstack.tasks.TASKS``.
+        """
+        levels = tuple(LevelConfig((TaskConfig(kind),)) for kind in types)
+        return cls(name, "", levels)
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a stack without levels, or one that contradicts itself."""

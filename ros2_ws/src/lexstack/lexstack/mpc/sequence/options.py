@@ -1,12 +1,12 @@
-"""The schema of sequences of tasks in a scenario: what the HTMPC executes."""
+"""What a sequence is built from: the tasks that the HTMPC executes on one robot."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
-from lexstack.config.checks import finite, not_negative, positive
 from lexstack.errors import ConfigurationError
+from lexstack.options import finite, not_negative, positive
 
 _MOST_ROUNDS = 100
 
@@ -50,13 +50,3 @@ class SequenceConfig:
             raise ConfigurationError(
                 f"{where}: rounds: must be in [1, {_MOST_ROUNDS}], got {self.rounds}"
             )
-
-
-@dataclass(frozen=True, slots=True)
-class SequenceChangeConfig:
-    """A change of a sequence that is being executed."""
-
-    robot: str
-    change: Literal["release", "retarget", "cancel"]
-    task: str  # its name
-    points: tuple[tuple[float, ...], ...] = ()  # retarget: where it leads now

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from lexstack.config.checks import at_most, finite, not_negative, positive
-from lexstack.config.robot import Vector3
 from lexstack.errors import ConfigurationError
+from lexstack.options import at_most, finite, not_negative, positive
+from lexstack.robots import Vector3
 
 _FASTEST = 1000.0  # Hz
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from lexstack.config.resolved import ResolvedScenario
-from lexstack.config.stack import plan_stack
-from lexstack.control.factory import Parts
 from lexstack.errors import ConfigurationError, InputError, ModelError
-from lexstack.mpc.sequence.reach import Reach
-from lexstack.mpc.sequence.runner import tasks_of
+from lexstack.mpc import Reach, tasks_of
 from lexstack.robots import RobotModel
+from lexstack.tasks import plan_stack
+from lexstack_config.parts import Parts
+from lexstack_config.resolved import ResolvedScenario
 
 
 def checked(resolved: ResolvedScenario, folder: Path, path: Path | None = None) -> ResolvedScenario:

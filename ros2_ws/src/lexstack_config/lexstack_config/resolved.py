@@ -8,14 +8,14 @@ from pathlib import Path
 
 import yaml
 
-from lexstack.config.available import available, load_stack
-from lexstack.config.checks import shown
-from lexstack.config.htmpc import HtmpcConfig, load_htmpc
-from lexstack.config.reader import build, parse_yaml, plain, read_yaml
-from lexstack.config.robot import RobotConfig
-from lexstack.config.scenario import ScenarioConfig
-from lexstack.config.stack import StackConfig
 from lexstack.errors import ConfigurationError
+from lexstack.mpc import HtmpcConfig
+from lexstack.options import shown
+from lexstack.robots import RobotConfig
+from lexstack.tasks import StackConfig
+from lexstack_config.available import available, load_stack
+from lexstack_config.reader import build, parse_yaml, plain, read_yaml
+from lexstack_config.scenario import ScenarioConfig
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,3 +124,11 @@ def _known(where: str, name: str, known: Collection[str]) -> None:
     if name not in known:
         listed = ", ".join(sorted(known))
         raise ConfigurationError(f"{where}: unknown {shown(name)}; known: {listed}")
+
+
+def load_htmpc(path: Path) -> HtmpcConfig:
+    """Return one file of ``config/htmpc``; raises ConfigurationError with file and key."""
+    config = build(HtmpcConfig, read_yaml(path), str(path))
+    if config.name != path.stem:
+        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(config.name)}")
+    return config

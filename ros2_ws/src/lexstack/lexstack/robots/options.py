@@ -1,13 +1,14 @@
-"""The schema of ``config/robots/*.yaml``: one mobile manipulator."""
+"""What a robot is built from: one mobile manipulator; and what an obstacle is."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lexstack.config.checks import finite, not_negative, positive, same_length
 from lexstack.errors import ConfigurationError
+from lexstack.options import finite, not_negative, positive, same_length
 
 Vector3 = tuple[float, float, float]
+"""Along x, y, z; of a platform x, y, yaw."""
 
 # The lists of an arm that have one entry per joint.
 _ANGLES = ("home", "position_lower", "position_upper")
@@ -147,3 +148,22 @@ class RobotConfig:
     arm: ArmConfig
     tool: FrameConfig  # parent: a link of the arm
     spheres: tuple[SphereConfig, ...] = ()  # none: it takes no part in any distance
+
+
+@dataclass(frozen=True, slots=True)
+class ObstacleConfig:
+    """A sphere in the robots' way: everybody knows where it is at any time.
+
+    Its centre is at position + velocity t + swing (1 - cos(2 pi t / period)) / 2.
+    """
+
+    position: Vector3  # m, of its centre at time 0, world frame
+    radius: float  # m
+    velocity: Vector3 = (0.0, 0.0, 0.0)  # m/s, constant
+    swing: Vector3 = (0.0, 0.0, 0.0)  # m, how far it goes beside that, and comes back
+    period: float = 10.0  # s, of the swing: there and back, at rest at both ends
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a value out of range."""
+        finite(where, position=self.position, velocity=self.velocity, swing=self.swing)
+        positive(where, radius=self.radius, period=self.period)

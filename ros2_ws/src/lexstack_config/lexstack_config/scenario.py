@@ -5,29 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from lexstack.config.checks import at_most, finite, names, not_negative, positive, shown
-from lexstack.config.plant import PlantConfig
-from lexstack.config.robot import Vector3
-from lexstack.config.sequence import SequenceChangeConfig, SequenceConfig
-from lexstack.config.stream import StreamConfig
+import numpy as np
+
 from lexstack.errors import ConfigurationError
+from lexstack.mpc import SequenceConfig
+from lexstack.options import at_most, finite, names, not_negative, positive, shown
+from lexstack.robots import ObstacleConfig, Pose, Vector3, from_quaternion
+from lexstack.transition import TransitionConfig
+from lexstack_config.plant import PlantConfig
+from lexstack_config.stream import StreamConfig
 
 Quaternion = tuple[float, float, float, float]
 Mode = Literal["lockstep", "realtime"]
 _FASTEST = 1000.0  # Hz, the plant's own steps
 _LONGEST = 1e6  # s, 11 days
-MethodName = Literal[  # the keys of lexstack.transition.methods.METHODS
-    "bridge",
-    "bridge_jerk",
-    "t37",
-    "t34",
-    "t34_limited",
-    "instant",
-    "instant_limited",
-    "interpolation",
-    "activation",
-    "weights",
-]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,25 +35,6 @@ class PlacementConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class ObstacleConfig:
-    """A sphere in the robots' way: everybody knows where it is at any time.
-
-    Its centre is at position + velocity t + swing (1 - cos(2 pi t / period)) / 2.
-    """
-
-    position: Vector3  # m, of its centre at the scenario's start, world frame
-    radius: float  # m
-    velocity: Vector3 = (0.0, 0.0, 0.0)  # m/s, constant
-    swing: Vector3 = (0.0, 0.0, 0.0)  # m, how far it goes beside that, and comes back
-    period: float = 10.0  # s, of the swing: there and back, at rest at both ends
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        finite(where, position=self.position, velocity=self.velocity, swing=self.swing)
-        positive(where, radius=self.radius, period=self.period)
-
-
-@dataclass(frozen=True, slots=True)
 class PoseConfig:
     """A pose in the world frame."""
 
@@ -75,24 +47,6 @@ class PoseConfig:
         norm = sum(value * value for value in self.orientation) ** 0.5
         if abs(norm - 1.0) > 1e-3:
             raise ConfigurationError(f"{where}: orientation: norm must be 1, got {norm:.4f}")
-
-
-@dataclass(frozen=True, slots=True)
-class TransitionConfig:
-    """How robot A goes from one stack to another."""
-
-    duration: float  # s, of the blend
-    method: MethodName = "bridge"
-    # How alpha rises; time_optimal: as fast as the joints allow, whatever the duration.
-    profile: Literal["quintic", "cosine", "linear", "time_optimal"] = "quintic"
-    on_loss: Literal["local", "minimum_velocity"] = "local"  # what A follows when B is lost
-    at_end: Literal["adopt", "stay"] = "adopt"  # take the stack over, or stay with B
-    limits_move: float = 0.0  # s, how long position limits move that a stack changes; 0: least time
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a duration that is not positive, or a negative time."""
-        positive(where, duration=self.duration)
-        not_negative(where, limits_move=self.limits_move)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +90,16 @@ class HtmpcRunConfig:
     def ticks(self, rate: float) -> int:
         """Return the ticks from plan to plan, given the ticks per second."""
         return max(1, round(rate / self.rate))
+
+
+@dataclass(frozen=True, slots=True)
+class SequenceChangeConfig:
+    """A change of a sequence that is being executed."""
+
+    robot: str
+    change: Literal["release", "retarget", "cancel"]
+    task: str  # its name
+    points: tuple[tuple[float, ...], ...] = ()  # retarget: where it leads now
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,3 +211,11 @@ class ScenarioConfig:
             raise ConfigurationError(
                 f"{where}: solvers: must be in [1, {len(self.robots)}], one for each robot at most"
             )
+
+
+def pose_from_config(config: PoseConfig) -> Pose:
+    """Return a configured pose as a value."""
+    return Pose(
+        np.array(config.position, dtype=np.float64),
+        from_quaternion(np.array(config.orientation, dtype=np.float64)),
+    )

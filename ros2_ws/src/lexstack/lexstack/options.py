@@ -1,31 +1,97 @@
-"""From YAML to frozen dataclasses: strict keys, checked types, the file and key in every error."""
+"""Options: plain values as frozen dataclasses, strict in keys, types and ranges.
+
+An option's dataclass checks its ranges in ``validate(where)``, with the checks of this module;
+``build`` makes one from mappings, lists, texts and numbers, and says in every error where it stood.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+import re
+import reprlib
 import types
 import typing
-from pathlib import Path
+from collections.abc import Iterable
 from typing import Any, TypeVar
 
-from lexstack.config.checks import number_advice, shown
-from lexstack.config.yaml_text import parse_plain, read_text
-from lexstack.errors import ConfigurationError
+from lexstack.errors import ConfigurationError, NotANumberError
 
 T = TypeVar("T")
 
 _LARGEST = 2**63  # integers beyond it are mistakes
 
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
+_ROS_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
+_BRIEF = reprlib.Repr()
+_BRIEF.maxstring = _BRIEF.maxother = 80
 
-def read_yaml(path: Path) -> dict[str, Any]:
-    """Return the mapping in a YAML file; raises ConfigurationError naming file and line."""
-    return parse_yaml(read_text(path), str(path))
+
+def positive(where: str, **values: float | Iterable[float]) -> None:
+    """Raise ConfigurationError unless every value is finite and > 0."""
+    for name, value in values.items():
+        for number in _numbers(value):
+            if not (math.isfinite(number) and number > 0.0):
+                raise ConfigurationError(f"{where}: {name}: must be finite and > 0, got {number}")
 
 
-def parse_yaml(text: str, where: str) -> dict[str, Any]:
-    """Return the mapping in a YAML text; ``where`` names its origin in errors."""
-    return parse_plain(text, where)
+def not_negative(where: str, **values: float | Iterable[float]) -> None:
+    """Raise ConfigurationError unless every value is finite and >= 0."""
+    for name, value in values.items():
+        for number in _numbers(value):
+            if not (math.isfinite(number) and number >= 0.0):
+                raise ConfigurationError(f"{where}: {name}: must be finite and >= 0, got {number}")
+
+
+def finite(where: str, **values: float | Iterable[float]) -> None:
+    """Raise ConfigurationError unless every value is finite."""
+    for name, value in values.items():
+        for number in _numbers(value):
+            if not math.isfinite(number):
+                raise ConfigurationError(f"{where}: {name}: must be finite, got {number}")
+
+
+def same_length(where: str, length: int, **values: tuple[float, ...]) -> None:
+    """Raise ConfigurationError unless every list has ``length`` entries."""
+    for name, value in values.items():
+        if len(value) != length:
+            raise ConfigurationError(f"{where}: {name}: expected {length} values, got {len(value)}")
+
+
+def at_most(where: str, largest: float, **values: float) -> None:
+    """Raise ConfigurationError unless every value is at most ``largest``."""
+    for name, value in values.items():
+        if value > largest:
+            raise ConfigurationError(f"{where}: {name}: must be at most {largest:g}, got {value:g}")
+
+
+def names(where: str, *, ros: bool = False, **values: str | Iterable[str]) -> None:
+    """Raise ConfigurationError unless every name may be (a part of) a file's name.
+
+    ``ros``: and of a topic's.
+    """
+    form = _ROS_NAME if ros else _NAME
+    letters = "letters, digits and _" if ros else "letters, digits, _ and -"
+    for key, value in values.items():
+        for name in (value,) if isinstance(value, str) else value:
+            if not form.fullmatch(name):
+                raise ConfigurationError(
+                    f"{where}: {key}: a name has {letters}, begins with a letter "
+                    f"and has at most 64 characters, got {shown(name)}"
+                )
+
+
+def shown(value: object) -> str:
+    """Return a value as it may stand in an error: one line, not long, whatever it is."""
+    try:
+        return _BRIEF.repr(value)
+    except ValueError:  # an integer of more digits than Python prints
+        return f"a {type(value).__name__} that is too long to show"
+
+
+def _numbers(value: float | Iterable[float]) -> Iterable[float]:
+    """Return one number or many as an iterable."""
+    return (value,) if isinstance(value, int | float) else value
 
 
 def build(kind: type[T], data: object, where: str) -> T:
@@ -53,17 +119,6 @@ def build(kind: type[T], data: object, where: str) -> T:
     if validate is not None:
         validate(where)
     return result
-
-
-def plain(value: object) -> Any:
-    """Return a dataclass tree as plain dictionaries and lists, ready for ``yaml.safe_dump``."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
-    if isinstance(value, dict):
-        return {key: plain(item) for key, item in value.items()}
-    if isinstance(value, tuple | list):
-        return [plain(item) for item in value]
-    return value
 
 
 def _convert(hint: Any, value: object, where: str) -> Any:
@@ -138,8 +193,8 @@ def _convert_scalar(hint: Any, value: object, where: str) -> Any:
         if isinstance(value, int) and abs(value) > _LARGEST:
             raise ConfigurationError(f"{where}: out of range, got {shown(value)}")
         return float(value)
-    advice = number_advice(value) if hint in (int, float) else ""
-    raise ConfigurationError(f"{where}: expected {hint.__name__}, got {shown(value)}{advice}")
+    text = f"{where}: expected {hint.__name__}, got {shown(value)}"
+    raise NotANumberError(text, value) if hint in (int, float) else ConfigurationError(text)
 
 
 def _text(value: str, where: str) -> str:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lexstack.config.checks import finite, not_negative, positive
-from lexstack.config.robot import Vector3
 from lexstack.errors import ConfigurationError
+from lexstack.options import finite, not_negative, positive
+from lexstack.robots import Vector3
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,1 +1,0 @@
-"""The configuration: one schema, from YAML files to frozen dataclasses."""

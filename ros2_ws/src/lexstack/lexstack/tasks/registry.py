@@ -1,0 +1,21 @@
+"""The tasks by the name that stack files use: a new one is its file and one line here."""
+
+from lexstack.tasks.base_pose import Base
+from lexstack.tasks.collision_avoidance import Distance
+from lexstack.tasks.frame_pose import EePose
+from lexstack.tasks.frame_position import EePosition
+from lexstack.tasks.posture import Posture
+from lexstack.tasks.relative_pose import RelativePose
+from lexstack.tasks.task import TaskFactory
+from lexstack.tasks.velocity_damping import MinimumVelocity
+
+TASKS: dict[str, TaskFactory] = {
+    "base": Base.from_config,
+    "distance": Distance.from_config,
+    "ee_pose": EePose.from_config,
+    "ee_position": EePosition.from_config,
+    "minimum_velocity": MinimumVelocity.from_config,
+    "posture": Posture.from_config,
+    "relative_pose": RelativePose.from_config,
+}
+"""How each task is made, by the type that stack files name."""

@@ -1,0 +1,67 @@
+"""Options of transitions: what a user sets, and what a controller is told with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from lexstack.options import not_negative, positive
+
+MethodName = Literal[  # the keys of methods.METHODS
+    "bridge",
+    "bridge_jerk",
+    "t37",
+    "t34",
+    "t34_limited",
+    "instant",
+    "instant_limited",
+    "interpolation",
+    "activation",
+    "weights",
+]
+"""How a transition joins the old motion to the new one."""
+
+
+@dataclass(frozen=True, slots=True)
+class TransitionConfig:
+    """How robot A goes from one stack to another."""
+
+    duration: float  # s, of the blend
+    method: MethodName = "bridge"
+    # How alpha rises; time_optimal: as fast as the joints allow, whatever the duration.
+    profile: Literal["quintic", "cosine", "linear", "time_optimal"] = "quintic"
+    on_loss: Literal["local", "minimum_velocity"] = "local"  # what A follows when B is lost
+    at_end: Literal["adopt", "stay"] = "adopt"  # take the stack over, or stay with B
+    limits_move: float = 0.0  # s, how long position limits move that a stack changes; 0: least time
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a duration that is not positive, or a negative time."""
+        positive(where, duration=self.duration)
+        not_negative(where, limits_move=self.limits_move)
+
+
+@dataclass(frozen=True, slots=True)
+class TransitionOptions:
+    """What the transitions of one controller follow; a tick is one control period.
+
+    Attributes:
+        initial: name of the stack that is in effect at the start.
+        switch: how to go from stack to stack, where a request does not say otherwise.
+        lockstep: whether every tick waits for the sources' answers; else the newest ones count.
+        limit_jerk: whether jerk is limited at every tick, not only by methods that do so.
+        horizon: how many ticks ahead of the present one a switch may be asked for.
+        patience: how many ticks the first chi of a source is waited for; in lockstep 0.
+        stale: how many ticks a source's chi may be late; in lockstep 0.
+        plan_every: ticks from plan to plan; in lockstep only the plan that is due counts.
+        plan_stale: after how many ticks a plan is too old; without effect in lockstep.
+    """
+
+    initial: str
+    switch: TransitionConfig
+    lockstep: bool = True
+    limit_jerk: bool = False
+    horizon: int = 6000
+    patience: int = 50
+    stale: int = 5
+    plan_every: int = 5
+    plan_stale: int = 25

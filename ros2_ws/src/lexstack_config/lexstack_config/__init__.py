@@ -1,0 +1,1 @@
+"""YAML files as options of the library: robots, stacks, scenarios, plants, parameters."""

@@ -1,0 +1,27 @@
+"""Package description for colcon and pip."""
+
+from setuptools import find_packages, setup
+
+PACKAGE = "lexstack_config"
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    description="Configuration of lexstack: YAML files as options of the library.",
+    license="Apache-2.0",
+    maintainer="The lexstack authors",
+    maintainer_email="lexstack@users.noreply.github.com",
+    python_requires=">=3.11",
+    packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
+    package_data={PACKAGE: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (f"share/{PACKAGE}", ["package.xml"]),
+    ],
+    install_requires=[
+        "lexstack",
+        "numpy>=2",
+        "PyYAML>=6",
+    ],
+    zip_safe=False,
+)

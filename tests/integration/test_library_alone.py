@@ -1,0 +1,128 @@
+"""The library in an empty environment: its requirements suffice, without ROS and without YAML."""
+
+import ast
+import re
+import shutil
+import subprocess
+import sys
+from importlib.metadata import PackageNotFoundError
+from pathlib import Path
+from zipfile import ZipFile
+
+import pytest
+
+from support.empty_environment import EmptyEnvironment, closure
+
+ROOT = Path(__file__).resolve().parents[2]
+TESTS = ROOT / "tests"
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+OWN = {"lexstack", "lexstack_config"}
+SAID = {  # lines of every example
+    "hqp": [r"chi: \[ *1\.2 +-0\.2 +0\. *\]", r"level 1: x row 0 misses by -0\.8, held by .*"],
+    "mpc": [r"0 s: lift before park, 0\.447 m to go", r"done after [1-3]\.\d s"],
+    "own_task": [r"the tool is at a height of 1\.200 m"],
+    "transition": [
+        r"1\.5 s: drive, blending, .*",
+        r"5\.0 s: drive, idle, .* x = 0\.9\d+ m",
+    ],
+}
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
+
+
+def wheel_of(package, folder):
+    """Return the wheel of one of our packages, built from a copy of its folder."""
+    source = folder / package
+    shutil.copytree(
+        ROOT / "ros2_ws/src" / package,
+        source,
+        ignore=shutil.ignore_patterns("build", "*.egg-info", "__pycache__"),
+    )
+    command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
+    done = subprocess.run(
+        [*command, "--wheel-dir", folder, source], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return next(folder.glob(f"{package}-*.whl"))
+
+
+def requirements(wheel):
+    """Return what a wheel requires, of other people's packages."""
+    with ZipFile(wheel) as archive:
+        name = next(name for name in archive.namelist() if name.endswith("METADATA"))
+        text = archive.read(name).decode()
+    lines = [line.removeprefix("Requires-Dist: ") for line in text.splitlines()]
+    found = [a for a, b in zip(lines, text.splitlines(), strict=True) if a != b]
+    return [line for line in found if not line.startswith("lexstack")]
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """Return an environment with the library and what it requires."""
+    folder = tmp_path_factory.mktemp("alone")
+    wheel = wheel_of("lexstack", folder)
+    environment = EmptyEnvironment(folder / "venv")
+    environment.link(requirements(wheel))
+    environment.install(wheel)
+    return environment
+
+
+def test_the_examples_are_short():
+    assert {file.stem for file in EXAMPLES} == set(SAID)
+    for file in EXAMPLES:
+        assert len(file.read_text().splitlines()) < 40, file
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_runs_and_prints_what_came_out(alone, tmp_path, example):
+    printed = alone.run(example, folder=tmp_path).splitlines()
+    assert len(printed) <= 12
+    for text in SAID[example.stem]:
+        assert any(re.fullmatch(text, line) for line in printed), printed
+
+
+def test_what_is_not_declared_is_not_there(alone, tmp_path):
+    for module in ("yaml", "mujoco", "rclpy", "mcap", "pytest", "lexstack_config"):
+        with pytest.raises(AssertionError, match="ModuleNotFoundError"):
+            alone.run("-c", f"import {module}", folder=tmp_path)
+    with pytest.raises(PackageNotFoundError):
+        closure(["no-such-package-of-ours"])
+
+
+def imported(file, seen):
+    """Return the packages of ours that a test file imports, itself or by what it imports."""
+    found = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        names = []
+        if isinstance(node, ast.ImportFrom):
+            names = [node.module or ""]
+        elif isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        for name in names:
+            top, _, rest = name.partition(".")
+            helper = TESTS / top / f"{rest}.py"
+            if top == "support" and helper not in seen:
+                seen.add(helper)
+                found |= imported(helper, seen)
+            elif top.startswith("lexstack"):
+                found.add(top)
+    return found
+
+
+def own_tests():
+    """Return the library's unit tests that need nothing else of ours but its configuration."""
+    unit = TESTS / "unit"
+    folders = ("core", "hqp", "htmpc")
+    files = [file for folder in folders for file in sorted((unit / folder).glob("test_*.py"))]
+    files += sorted(unit.glob("test_bounds*.py"))
+    return [file for file in files if imported(file, set()) <= OWN]
+
+
+def test_the_library_s_own_unit_tests_pass(alone, tmp_path):
+    files = own_tests()
+    assert len(files) > 25, files
+    config = wheel_of("lexstack_config", tmp_path)
+    alone.link([*requirements(config), "pytest", "pytest-timeout", "hypothesis"])
+    alone.install(config)
+    options = ("-q", "-x", "--no-header", "-p", "no:cacheprovider")
+    printed = alone.run("-m", "pytest", *options, *files, folder=ROOT)
+    assert " passed" in printed.splitlines()[-1], printed
