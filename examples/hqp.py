@@ -18,5 +18,5 @@ solution = lexstack.make_solver().solve(problem)
 
 print("chi:", solution.chi.round(6) + 0.0)
 print("norm of each level's residual:", solution.slacks.round(6))
-for level in lexstack.blocked(problem, solution):
+for level in lexstack.explain_unmet_levels(problem, solution):
     print(lexstack.describe([level], ("x", "y", "z")))

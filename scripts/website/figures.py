@@ -15,7 +15,7 @@ from matplotlib.patches import Rectangle
 
 from lexstack.hqp import HqpProblem, make_solver
 from lexstack.limits import Bounds, JointLimits, viable_bounds
-from lexstack.transition import Carry, alpha
+from lexstack.transition import GapMotion, alpha
 from lexstack.types import LinearTask
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "images" / "equations"
@@ -64,7 +64,7 @@ def bridge() -> Figure:
     gap = 0.1 - (0.5 + 0.2 * np.sin(2.0 * start))
     command = np.where(time < start, before, source + rest * gap)
     slip = np.full(1, -0.4 * np.cos(2.0 * start))  # rad/s^2, the acceleration of A less that of B
-    motion = replace(Carry.none(1, duration), slip=slip)
+    motion = replace(GapMotion.none(1, duration), slip=slip)
     carried = np.array([motion.at(t - start)[0] if t >= start else 0.0 for t in time])
     step = np.where(time < start, before, source)
     figure, (top, bottom) = _figure(2)

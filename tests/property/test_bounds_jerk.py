@@ -291,7 +291,8 @@ def faulty(fault, monkeypatch):
     made = JerkLaw.__init__
     if fault == "no look-ahead":
         monkeypatch.setattr(
-            "lexstack.limits.jerk_bounds.look_ahead", lambda room, v, used, least, largest: largest
+            "lexstack.limits.jerk_bounds.largest_stoppable_change",
+            lambda room, v, used, least, largest: largest,
         )
     elif fault == "jerk twice as large":
         monkeypatch.setattr(
@@ -305,9 +306,10 @@ def faulty(fault, monkeypatch):
 
         monkeypatch.setattr(JerkLaw, "__init__", greedy)
     else:
-        goes = stopping._goes
+        goes = stopping._stopping_distance
         monkeypatch.setattr(
-            "lexstack.limits.stopping._goes", lambda v, a, w: (goes(v, a, w)[0] - 1.0, 1.0)
+            "lexstack.limits.stopping._stopping_distance",
+            lambda v, a, w: (goes(v, a, w)[0] - 1.0, 1.0),
         )
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lexstack.mpc import Outcome, Task
-from lexstack.mpc.lexicographic_constraints import Guard
+from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
 from support.htmpc import ROBOTS, optimiser, random_objectives, random_start
 
 SEEDS = st.integers(0, 2**31 - 1)
@@ -128,7 +128,7 @@ def test_a_guard_lets_pass_what_it_was_made_from_and_no_worse(seed, delta, kind)
     objective = random_objectives(rng, random_start(rng), solver)[0]
     task = Task(objective, solver.config, 9)
     best = rng.normal(0.0, 0.1, (10, 3))
-    guard = Guard(0, task, best, kind, solver.horizon)
+    guard = LexicographicConstraint(0, task, best, kind, solver.horizon)
     assert guard.excess(best)[0] <= 0.0
     assert guard.excess(0.5 * best)[0] <= 0.0
     worse = best + np.sign(best) * (delta + 1e-3) * 6.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lexstack.limits import JerkLaw, JointLimits, viable_bounds
-from lexstack.limits.stopping import look_ahead
+from lexstack.limits.stopping import largest_stoppable_change
 from support.scenario import team
 
 INF = math.inf
@@ -66,14 +66,14 @@ def test_the_velocity_limit_is_met_without_a_jump():
 )
 def test_the_look_ahead_by_hand(v, change, room):
     if room >= 0.0:
-        found = look_ahead(room, v, 2.0, change - 0.9, change + 0.9)
+        found = largest_stoppable_change(room, v, 2.0, change - 0.9, change + 0.9)
         assert found == pytest.approx(change, abs=1e-9)
-    assert look_ahead(max(room, 0.0) + 1e-6, v, 2.0, change - 0.9, change) == change
+    assert largest_stoppable_change(max(room, 0.0) + 1e-6, v, 2.0, change - 0.9, change) == change
 
 
 def test_with_no_room_it_brakes_with_all_there_is():
-    assert look_ahead(0.0, 3.0, 2.0, -1.0, 1.0) == -1.0
-    assert look_ahead(1.0, INF, 2.0, -1.0, 1.0) == -1.0
+    assert largest_stoppable_change(0.0, 3.0, 2.0, -1.0, 1.0) == -1.0
+    assert largest_stoppable_change(1.0, INF, 2.0, -1.0, 1.0) == -1.0
 
 
 @pytest.mark.parametrize("rate", [100.0, 500.0, 1000.0])

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from lexstack.control import share
 from lexstack.transition import SourceSample
-from lexstack.transition.sources.partial_samples import Joiner
+from lexstack.transition.sources.partial_samples import PartialSampleMerger
 from support.scenario import team
 
 TEAM = team()
@@ -24,7 +24,7 @@ def part(robot, tick, *, id_=1, solved=True, slack=0.5):
 @settings(derandomize=True, deadline=None)
 @given(st.permutations([(robot, tick) for robot in (0, 1) for tick in (3, 4, 5)]))
 def test_parts_of_one_tick_meet_in_any_order(order):
-    joiner, joined = Joiner(TEAM), []
+    joiner, joined = PartialSampleMerger(TEAM), []
     for robot, tick in order:
         whole = joiner.join(part(robot, tick), (0, 1))
         if whole is not None:
@@ -39,7 +39,7 @@ def test_parts_of_one_tick_meet_in_any_order(order):
 
 
 def test_a_part_that_was_not_solved_spoils_the_whole_and_a_silent_one_the_slack():
-    joiner = Joiner(TEAM)
+    joiner = PartialSampleMerger(TEAM)
     assert joiner.join(part(0, 1, solved=False), (0, 1)) is None
     assert not joiner.join(part(1, 1), (0, 1)).solved
     joiner.join(part(0, 2, slack=None), (0, 1))
@@ -47,7 +47,7 @@ def test_a_part_that_was_not_solved_spoils_the_whole_and_a_silent_one_the_slack(
 
 
 def test_transitions_do_not_mix_and_are_forgotten():
-    joiner = Joiner(TEAM)
+    joiner = PartialSampleMerger(TEAM)
     assert joiner.join(part(0, 1, id_=1), (0, 1)) is None
     assert joiner.join(part(1, 1, id_=2), (0, 1)) is None
     joiner.keep([2])
@@ -56,7 +56,7 @@ def test_transitions_do_not_mix_and_are_forgotten():
 
 
 def test_what_holds_all_that_is_needed_goes_through_as_it_is():
-    joiner, one = Joiner(TEAM), part(1, 1)
+    joiner, one = PartialSampleMerger(TEAM), part(1, 1)
     assert joiner.join(one, (1,)) is one
     whole = SourceSample(1, 1, WHOLE, True)
     assert joiner.join(whole, (0, 1)) is whole

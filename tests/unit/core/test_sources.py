@@ -10,8 +10,8 @@ from lexstack.control import StackSolver
 from lexstack.references import Target
 from lexstack.transition import Phase, Source, SourceSample
 from lexstack.transition.sources.inbox import Sources
-from lexstack.transition.sources.partial_samples import Joiner
-from lexstack.transition.sources.residual_check import Witness
+from lexstack.transition.sources.partial_samples import PartialSampleMerger
+from lexstack.transition.sources.residual_check import ResidualCheck
 from lexstack.types import LinearTask
 from lexstack_config.parts import transition_options
 from support.channels import loop, parts
@@ -105,7 +105,7 @@ def test_parts_with_different_references_are_not_joined(revision):
         values = {"robots": (robot,), "stack": "track", "revision": number}
         return dataclasses.replace(sample(7), **values)
 
-    joiner = Joiner(team())
+    joiner = PartialSampleMerger(team())
     assert joiner.join(part(0, revision), (0, 1)) is None
     assert joiner.join(part(1, 5), (0, 1)) is None, "the first part is of the past"
     assert joiner.join(part(0, 5), (0, 1)).revision == 5
@@ -120,14 +120,16 @@ def judged(witness, tick, heard, rows, *, slack=1.0, anew=False):
 
 
 def test_a_chi_is_compared_with_rows_of_its_own_references_alone():
-    witness = Witness(5, 1)
+    witness = ResidualCheck(5, 1)
     assert judged(witness, 10, 1, 2, anew=True) == 0.0, "B has not the new references yet"
     assert judged(witness, 11, 2, 2) == pytest.approx(4.0), "it has: a wrong chi shows at once"
-    assert judged(Witness(5, 1), 11, None, 2, anew=True) == 0.0, "not known: a guess, as before"
+    assert judged(ResidualCheck(5, 1), 11, None, 2, anew=True) == 0.0, (
+        "not known: a guess, as before"
+    )
 
 
 def test_a_frozen_b_does_not_hide_behind_old_references():
-    witness = Witness(5, 3)
+    witness = ResidualCheck(5, 3)
     judged(witness, 9, 1, 1, slack=5.0)
     found = [judged(witness, tick, 1, 2, anew=tick == 10) for tick in range(10, 20)]
     assert np.flatnonzero(found).tolist() == [7, 8, 9], "5 ticks of grace, then 3 that miss"

@@ -12,7 +12,7 @@ from lexstack.hqp import HqpProblem, make_solver
 from lexstack.limits import viable_bounds
 from lexstack.references import References
 from lexstack.robots import ObstacleConfig, Obstacles, Pose, RobotModel, Team
-from lexstack.tasks import TASKS, Distance, DistanceParameters
+from lexstack.tasks import TASKS, CollisionAvoidance, CollisionAvoidanceParameters
 from lexstack.tasks.collision_avoidance import damped_speed
 from lexstack.transition.bridge import latch
 from support.oracle import lexicographic_oracle
@@ -302,7 +302,9 @@ def test_a_row_that_is_kept_can_be_kept_at_the_next_tick(single, seed):
     moving *= speed / np.linalg.norm(moving)
     ball = ObstacleConfig(tuple(center), 0.1, velocity=tuple(moving))
     a_team = Team((robot,), DT, Obstacles({"ball": ball}))
-    task = Distance(a_team, 0, DistanceParameters(influence=FAR, deceleration=1.0))
+    task = CollisionAvoidance(
+        a_team, 0, CollisionAvoidanceParameters(influence=FAR, deceleration=1.0)
+    )
     chi = rng.uniform(-0.5, 0.5, 10) * a_team.limits.velocity
     row = task.linearise(a_team.kinematics(state_at(q, chi)), None)
     short = row.lower[0] - row.matrix[0] @ chi

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from lexstack.transition import Phase, Source, SourceSample, TransitionConfig
-from lexstack.transition.gap_motion import Carry
+from lexstack.transition import GapMotion, Phase, Source, SourceSample, TransitionConfig
 from lexstack_experiments.links import Delayed, Frozen
 from support.channels import loop
 
@@ -23,20 +22,20 @@ def derivatives(carry, elapsed):
 @pytest.mark.parametrize("duration", [0.3, 1.0, 4.0])
 def test_it_begins_with_the_motion_and_ends_at_rest(duration):
     speed, bend, slip = RNG.normal(size=(3, 4))
-    value, rate, second = derivatives(Carry(speed, bend, duration), 0.0)
+    value, rate, second = derivatives(GapMotion(speed, bend, duration), 0.0)
     np.testing.assert_allclose(value, 0.0, atol=1e-12)
     np.testing.assert_allclose(rate, speed, rtol=1e-3)
     np.testing.assert_allclose(second, bend, rtol=0.05, atol=1e-2)
-    _, rate, _ = derivatives(Carry(speed, bend, duration, slip), 0.0)
+    _, rate, _ = derivatives(GapMotion(speed, bend, duration, slip), 0.0)
     np.testing.assert_allclose(rate, speed + slip, rtol=1e-3, atol=1e-3)
     for end in (duration, duration + 1.0):
-        np.testing.assert_array_equal(Carry(speed, bend, duration, slip).at(end), 0.0)
-    before = Carry(speed, bend, duration, slip).at(duration - H)
+        np.testing.assert_array_equal(GapMotion(speed, bend, duration, slip).at(end), 0.0)
+    before = GapMotion(speed, bend, duration, slip).at(duration - H)
     np.testing.assert_allclose(before, 0.0, atol=1e-9)
 
 
 def test_the_motion_of_some_joints_can_be_put_in():
-    one, other = (Carry(*RNG.normal(size=(2, 4)), 1.0) for _ in range(2))
+    one, other = (GapMotion(*RNG.normal(size=(2, 4)), 1.0) for _ in range(2))
     mixed = one.with_part(slice(1, 3), other)
     np.testing.assert_array_equal(mixed.at(0.3)[1:3], other.at(0.3)[1:3])
     np.testing.assert_array_equal(mixed.at(0.3)[[0, 3]], one.at(0.3)[[0, 3]])

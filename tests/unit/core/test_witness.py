@@ -7,7 +7,7 @@ import pytest
 
 from lexstack.references import Target
 from lexstack.transition import Source, SourceSample, TransitionConfig
-from lexstack.transition.sources.residual_check import Witness
+from lexstack.transition.sources.residual_check import ResidualCheck
 from lexstack.types import LinearTask
 from lexstack_config.parts import build_references
 from lexstack_experiments.links import Delayed, Frozen
@@ -35,7 +35,7 @@ def judged(witness, ticks, *, lag=0, right=(), anew=()):
 
 
 def test_a_right_chi_misses_nothing():
-    witness = Witness(0, 1)
+    witness = ResidualCheck(0, 1)
     assert witness.miss(sample(7), 7, LEVEL) == 0.0
     assert witness.miss(sample(8, (3.0, 0.0), 4.0), 8, LEVEL) == 0.0
     assert witness.miss(sample(9, slack=5.0 + 1e-6), 9, LEVEL) == 0.0, "rounding"
@@ -43,35 +43,35 @@ def test_a_right_chi_misses_nothing():
 
 
 def test_nothing_to_compare_with_is_no_evidence():
-    witness = Witness(0, 1)
+    witness = ResidualCheck(0, 1)
     assert witness.miss(sample(7, slack=None), 7, LEVEL) == 0.0
     assert witness.miss(sample(7, slack=1.0), 7, ()) == 0.0
     assert witness.miss(sample(6, slack=1.0), 7, LEVEL) == 0.0, "of a tick that A did not see"
 
 
 def test_so_many_in_a_row_must_miss():
-    found = judged(Witness(5, 4), range(12), lag=2, right=(3,))
+    found = judged(ResidualCheck(5, 4), range(12), lag=2, right=(3,))
     # Judged from A's first tick on, chi of tick 3 was right, and those of 4 to 7 miss.
     assert np.flatnonzero(found).tolist() == [9, 10, 11]
     assert found[9] == pytest.approx(4.0)
 
 
 def test_the_same_chi_counts_once():
-    witness = Witness(5, 3)
+    witness = ResidualCheck(5, 3)
     assert [witness.miss(sample(0, slack=1.0), tick, LEVEL) for tick in range(6)] == [0.0] * 6
 
 
 def test_new_references_are_no_evidence_while_chi_may_be_late():
-    witness = Witness(5, 4)
+    witness = ResidualCheck(5, 4)
     assert not any(judged(witness, range(40), lag=1, anew=range(0, 40, 8)))
-    witness = Witness(5, 4)
+    witness = ResidualCheck(5, 4)
     found = judged(witness, range(40), lag=1, anew=(10,))
     # 0 to 3 have missed; then the references are new, and 15 to 18 are the next that count.
     assert np.flatnonzero(found).tolist() == [4, 5, 6, 7, 8, 9, *range(19, 40)]
 
 
 def test_what_is_over_is_forgotten():
-    witness = Witness(5, 2)
+    witness = ResidualCheck(5, 2)
     assert any(judged(witness, range(4)))
     witness.keep([2])
     assert witness.miss(sample(4, slack=1.0), 4, LEVEL) == 0.0

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.hqp import DaqpCascade, HqpProblem, blocked, describe
+from lexstack.hqp import DaqpCascade, HqpProblem, describe, explain_unmet_levels
 from lexstack.hqp.diagnosis import _forces
 from lexstack.limits import Bounds
 from lexstack.types import LinearTask
@@ -28,7 +28,7 @@ def to(name, value, *coefficients):
 def asked(*levels, bound=1.0):
     limit = np.full(levels[0][0].matrix.shape[1], bound)
     given = HqpProblem(tuple(levels), Bounds(-limit, limit))
-    return given, blocked(given, SOLVER.solve(given))
+    return given, explain_unmet_levels(given, SOLVER.solve(given))
 
 
 def test_nothing_is_said_where_every_level_is_met():
@@ -80,7 +80,7 @@ def test_a_bound_that_is_touched_and_does_not_press_is_not_named():
         ((to("edge", 1.0, 1, 0, 0),), (to("far", 3.0, 0, 1, 0),)),
         Bounds(-np.ones(3), np.ones(3)),
     )
-    (level,) = blocked(given, SOLVER.solve(given))
+    (level,) = explain_unmet_levels(given, SOLVER.solve(given))
     assert [o.joint for o in level.obstacles] == [1]
 
 
@@ -88,7 +88,7 @@ def test_a_bound_that_is_touched_and_does_not_press_is_not_named():
 def test_the_slack_falls_by_the_force_when_the_bound_gives_way(seed):
     given = problem("infeasible", seed, 12, 1)
     before = SOLVER.solve(given)
-    (level,) = blocked(given, before)
+    (level,) = explain_unmet_levels(given, before)
     assert level.obstacles
     for obstacle in level.obstacles[:3]:
         lower, upper = given.bounds.lower.copy(), given.bounds.upper.copy()
@@ -102,7 +102,7 @@ def test_the_slack_falls_by_the_force_when_the_bound_gives_way(seed):
 def test_without_the_strongest_bound_the_level_is_better_and_without_an_unnamed_one_it_is_not(seed):
     given = problem("infeasible", seed, 12, 1)
     before = SOLVER.solve(given)
-    (level,) = blocked(given, before)
+    (level,) = explain_unmet_levels(given, before)
 
     def slack_without(joint):
         lower, upper = given.bounds.lower.copy(), given.bounds.upper.copy()

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lexstack.hqp import Damper, HqpProblem, blocked, damping, make_solver, regular
+from lexstack.hqp import Damper, HqpProblem, damping, explain_unmet_levels, make_solver, regular
 from lexstack.hqp.groups import groups_of
 from lexstack.hqp.lift import Above, Bending
 from lexstack.hqp.valley import logarithm
@@ -138,7 +138,7 @@ def test_slacks_and_rows_are_those_of_the_problem_as_it_was_given():
         residual = np.concatenate([task.residual(first.chi) for task in level])
         assert first.slacks[k] == pytest.approx(np.linalg.norm(residual))
     names = {task.name for level in given.levels for task in level}
-    assert all(entry.task in names for entry in blocked(given, first))
+    assert all(entry.task in names for entry in explain_unmet_levels(given, first))
 
 
 def test_an_inequality_row_keeps_holding_where_a_level_below_is_damped():

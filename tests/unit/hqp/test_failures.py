@@ -110,7 +110,7 @@ class Broken(DaqpBackend):
         self.way = way
         self.calls = 0
 
-    def foresee(self, hierarchy, lower, upper, guess):
+    def predict_active_set(self, hierarchy, lower, upper, guess):
         if self.way == "raises":
             raise RuntimeError("no idea")
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.hqp import DaqpCascade, FallbackSolver, Status, make_solver, refusal
+from lexstack.hqp import DaqpCascade, FallbackSolver, Status, make_solver, rejection_reason
 from lexstack.hqp.cascade import NullSpaceCascade
 from support.problems import problem
 
@@ -58,7 +58,7 @@ def test_where_all_fail_the_solution_says_so_and_why(case):
     assert words in solution.reason
     assert "two: level 1: cycling" in solution.reason
     assert "\n" not in solution.reason
-    assert refusal(solution, GIVEN.bounds)
+    assert rejection_reason(solution, GIVEN.bounds)
 
 
 def test_a_right_answer_costs_no_second_solver_and_leaves_no_note():
@@ -71,8 +71,8 @@ def test_a_right_answer_costs_no_second_solver_and_leaves_no_note():
 def test_rounding_outside_of_the_box_is_no_failure():
     chi = RIGHT.chi + np.where(RIGHT.active > 0, 0.5e-7, 0.0)
     assert RIGHT.active.any()
-    assert refusal(replace(RIGHT, chi=chi), GIVEN.bounds) == ""
-    assert refusal(replace(RIGHT, chi=chi + 1e-6), GIVEN.bounds)
+    assert rejection_reason(replace(RIGHT, chi=chi), GIVEN.bounds) == ""
+    assert rejection_reason(replace(RIGHT, chi=chi + 1e-6), GIVEN.bounds)
 
 
 @pytest.mark.parametrize("name", ["daqp", "proxqp", "quadprog"])

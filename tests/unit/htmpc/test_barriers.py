@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lexstack.errors import InputError
-from lexstack.mpc import StageModel, Surroundings
+from lexstack.mpc import CollisionScene, StageModel
 from lexstack.mpc.barriers import LimitBarrier, relaxed, slopes
 from lexstack.mpc.collision_cost import Collisions
 from support.htmpc import config, robot, sphere_centers
@@ -62,7 +62,7 @@ def scene(seed, stages=3):
     rng = np.random.default_rng(seed)
     q = model.home((0.0, 0.0, 0.0)) + rng.normal(0, 0.3, (stages, model.n))
     centers = rng.uniform([0.3, -1, 0.2], [1.5, 1, 1.5], (4, 3))
-    around = Surroundings.moving(
+    around = CollisionScene.moving(
         centers, rng.normal(0, 0.3, (4, 3)), np.full(4, 0.1), 0.1 * np.arange(1, stages + 1)
     )
     return stage_model, Collisions(SPACE, stage_model, around), q, around
@@ -100,7 +100,7 @@ def test_collision_distance_is_that_of_all_pairs():
 def test_a_sphere_in_the_centre_of_an_obstacle_costs_and_gives_finite_slopes():
     stage_model, _, q, _ = scene(2)
     at = stage_model.at(q)
-    around = Surroundings(at.centers[:, 3:4], np.array([0.1]))
+    around = CollisionScene(at.centers[:, 3:4], np.array([0.1]))
     collisions = Collisions(SPACE, stage_model, around)
     assert collisions.value(at) > 0.0
     assert all(np.isfinite(part).all() for part in collisions.slopes(at))
@@ -113,4 +113,4 @@ def test_a_sphere_in_the_centre_of_an_obstacle_costs_and_gives_finite_slopes():
 def test_surroundings_of_a_wrong_shape_are_refused(centers, radii):
     stage_model, *_ = scene(0)
     with pytest.raises(InputError, match="surroundings: centers of shape"):
-        Collisions(SPACE, stage_model, Surroundings(np.zeros(centers), np.ones(radii)))
+        Collisions(SPACE, stage_model, CollisionScene(np.zeros(centers), np.ones(radii)))

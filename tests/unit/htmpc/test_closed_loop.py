@@ -8,12 +8,12 @@ import pytest
 from lexstack.mpc import (
     HT_ARCH,
     ST_ARCH,
+    CollisionScene,
     Htmpc,
-    Present,
+    RobotPose,
     Sequence,
     SequenceTask,
     Start,
-    Surroundings,
     base_path,
     hold,
     steps,
@@ -103,12 +103,12 @@ def test_a_waypoint_is_reached_with_the_base_on_its_line():
 
 def test_a_pose_is_reached():
     pose = robot().tool(HOME)[0]
-    turned = np.array([*pose.position, *Present.of(robot(), 0.0, HOME).value("ee_pose")[3:]])
+    turned = np.array([*pose.position, *RobotPose.of(robot(), 0.0, HOME).value("ee_pose")[3:]])
     turned[:3] += [0.2, -0.1, 0.1]
     turned[3:] += [0.2, 0.1, -0.1, 0.1]
     turned[3:] /= np.linalg.norm(turned[3:])
     record = follow_htmpc(optimiser(), HOME, (Track("ee_pose", hold(turned)),), 6.0)
-    distance, angle = Present.of(robot(), 6.0, record.q[-1]).errors("ee_pose", turned)
+    distance, angle = RobotPose.of(robot(), 6.0, record.q[-1]).errors("ee_pose", turned)
     assert distance < 2e-3
     assert angle < 5e-3
 
@@ -122,7 +122,7 @@ DELIVERY = (
 
 def delivered(architecture, event=lambda sequence, _present: sequence):
     """Return record and times of the small delivery."""
-    start = Sequence.begin(DELIVERY, architecture, Present.of(robot(), 0.0, HOME))
+    start = Sequence.begin(DELIVERY, architecture, RobotPose.of(robot(), 0.0, HOME))
     return carry_out(optimiser(), HOME, start, 60.0, event=event)
 
 
@@ -136,7 +136,7 @@ def test_two_levels_deliver_sooner_than_one():
 def test_the_base_waits_for_a_held_tool_and_leaves_after_its_release():
     held = SequenceTask("give", "ee_position", ((3.0, 0.8, 0.9),), tolerance=0.02, held=True)
     tasks = (DELIVERY[0], held, DELIVERY[2])
-    start = Sequence.begin(tasks, HT_ARCH, Present.of(robot(), 0.0, HOME))
+    start = Sequence.begin(tasks, HT_ARCH, RobotPose.of(robot(), 0.0, HOME))
 
     def release(sequence, present):
         return sequence.release("give") if present.stamp >= 15.0 else sequence
@@ -156,7 +156,7 @@ def test_a_target_that_moves_is_followed():
             return sequence.retarget("give", ((2.5, 1.4, 0.8),), present)
         return sequence
 
-    start = Sequence.begin(DELIVERY[:2], HT_ARCH, Present.of(robot(), 0.0, HOME))
+    start = Sequence.begin(DELIVERY[:2], HT_ARCH, RobotPose.of(robot(), 0.0, HOME))
     record, done = carry_out(optimiser(), HOME, start, 60.0, event=move)
     assert len(done) == 2
     assert tool_errors(record, np.array([2.5, 1.4, 0.8]))[-1] < 0.02
@@ -168,7 +168,7 @@ def test_the_robot_goes_around_an_obstacle_that_moves():
     start, velocity, radius = np.array([[1.6, 0.7, 0.3]]), np.array([[0.0, -0.2, 0.0]]), 0.25
 
     def around(times):
-        return Surroundings.moving(start, velocity, np.array([radius]), times)
+        return CollisionScene.moving(start, velocity, np.array([radius]), times)
 
     record = follow_htmpc(solver, HOME, goal, 14.0, around=around)
     least = np.inf

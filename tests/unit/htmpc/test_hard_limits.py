@@ -7,7 +7,7 @@ from scipy.optimize import nnls
 from lexstack.mpc import Start
 from lexstack.mpc.condensed_qp import CondensedQp
 from lexstack.mpc.hard_limits import SLACK, HardLimits
-from lexstack.mpc.limited_qp import Holding, LimitedQp
+from lexstack.mpc.limited_qp import ActiveSet, LimitedQp
 from support.htmpc import optimiser, random_objectives, random_start, robot
 
 
@@ -73,7 +73,7 @@ def test_limits_by_need_give_the_optimum_of_all_limits():
     solver = optimiser()
     rng = np.random.default_rng(4)
     every_place = np.array(np.nonzero(np.ones((31, 9))))
-    all_of_them = Holding(np.zeros(0), every_place, np.zeros(every_place.shape[1]))
+    all_of_them = ActiveSet(np.zeros(0), every_place, np.zeros(every_place.shape[1]))
     for _ in range(10):
         start = random_start(rng, wild=2.0)
         hard = HardLimits(robot().limits, solver.horizon).at(start.q, start.v)

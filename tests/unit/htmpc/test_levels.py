@@ -9,7 +9,7 @@ from lexstack.errors import InputError
 from lexstack.mpc import Objective, Outcome, Start, Task, hold, steps
 from lexstack.mpc import level_sqp as level_module
 from lexstack.mpc.condensed_qp import CondensedQp
-from lexstack.mpc.lexicographic_constraints import Guard
+from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
 from support.htmpc import optimiser, random_objectives, random_start, robot
 
 REST = np.zeros(9)
@@ -112,7 +112,7 @@ def test_the_tolerance_stands_in_the_line_search_and_nowhere_else():
         )
         task = Task(objectives[0], own, 9)
         best = np.full((10, 3), 0.02)
-        guard = Guard(0, task, best, "axis", solver.horizon)
+        guard = LexicographicConstraint(0, task, best, "axis", solver.horizon)
         np.testing.assert_array_equal(guard.upper, 0.02)
         np.testing.assert_array_equal(guard.lower, -0.02)
         assert guard.excess(best + delta)[0] <= 1e-12
@@ -129,7 +129,7 @@ def test_rows_of_guards_are_those_of_differences(kind):
     program = solver.program(start)
     u = rng.normal(size=(10, 9))
     at = program.iterate(u).at
-    guard = Guard(0, task, task.error(at), kind, solver.horizon)
+    guard = LexicographicConstraint(0, task, task.error(at), kind, solver.horizon)
     rows = guard.rows(at, task.error(at))
     for _ in range(10):
         d = rng.normal(size=u.shape)
@@ -167,7 +167,7 @@ def test_the_input_before_is_remembered():
     u = first.shifted(0.1)
     base = solver.config.effort.base_change
     jump = 0.5 * base * (np.sum((u[0, :3] - first.u[0, :3]) ** 2) - np.sum(u[0, :3] ** 2))
-    assert program.iterate(u).upkeep - forgetful.iterate(u).upkeep == pytest.approx(jump)
+    assert program.iterate(u).shared_cost - forgetful.iterate(u).shared_cost == pytest.approx(jump)
 
 
 def test_the_plan_starts_from_the_measured_state():

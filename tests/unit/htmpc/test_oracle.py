@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from lexstack.mpc import EffortConfig, Htmpc, Start, Surroundings, Task
+from lexstack.mpc import CollisionScene, EffortConfig, Htmpc, Start, Task
 from lexstack_experiments.baselines.htmpc_oracle import HtmpcOracle
 from support.htmpc import config, random_objectives, robot
 
@@ -111,7 +111,7 @@ def test_distances_are_in_the_oracle_too():
     start, rng = start_of(1)
     objectives = random_objectives(rng, start, solver, far=0.1)
     tool = robot().tool(start.q)[0].position
-    around = Surroundings(np.tile(tool + np.array([0.0, 0.35, 0.0]), (10, 1, 1)), radii)
+    around = CollisionScene(np.tile(tool + np.array([0.0, 0.35, 0.0]), (10, 1, 1)), radii)
     oracle = HtmpcOracle(robot(), own, KINDS, spheres, tuple(radii))
     state = (start.q, start.v, np.zeros(9))
     best = oracle.solve(state, objectives, np.zeros((10, 9)), 1.0, around)[0]

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from lexstack.mpc import Htmpc, Surroundings, Task
+from lexstack.mpc import CollisionScene, Htmpc, Task
 from lexstack_experiments.baselines.htmpc_casadi import program
 from support.htmpc import ROBOTS, config, random_objectives, random_start, robot
 
@@ -22,7 +22,7 @@ def problem(which, seed, obstacles=True, **changes):
     objectives = random_objectives(rng, start, solver)
     tasks = [Task(objective, own, solver.robot.n) for objective in objectives]
     centers = start.q[:3] + rng.uniform(-1.5, 1.5, (5, 2, 3))
-    around = Surroundings(centers, np.array(RADII)) if obstacles else None
+    around = CollisionScene(centers, np.array(RADII)) if obstacles else None
     u = rng.normal(size=(5, solver.robot.n))
     return solver, solver.program(start, None, around), tasks, u, (start, around)
 
@@ -60,7 +60,7 @@ def test_cost_gradient_and_hessian_are_those_of_casadi(which):
     to_states = _states_by_inputs(solver.horizon, n)
     rest = []
     for level, task in enumerate(tasks):
-        cost = symbols.costs[level] + symbols.upkeep
+        cost = symbols.costs[level] + symbols.shared_cost
         value, by_x, by_u = (
             part.full()
             for part in ca.Function(

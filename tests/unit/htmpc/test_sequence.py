@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lexstack.errors import InputError
-from lexstack.mpc import HT_ARCH, ST_ARCH, Present, Sequence, SequenceTask
+from lexstack.mpc import HT_ARCH, ST_ARCH, RobotPose, Sequence, SequenceTask
 from lexstack.robots import Pose
 
 LINE = SequenceTask("line", "base_position", ((2.0, 0.0),), speed=0.5, tolerance=0.05)
@@ -14,7 +14,7 @@ TASKS = (LINE, HAND, BACK)
 
 
 def at(stamp, base=(0.0, 0.0, 0.0), tool=(0.0, 0.0, 1.0)):
-    return Present(stamp, np.array(base), Pose(np.array(tool), np.eye(3)))
+    return RobotPose(stamp, np.array(base), Pose(np.array(tool), np.eye(3)))
 
 
 def names(sequence):

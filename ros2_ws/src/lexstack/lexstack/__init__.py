@@ -45,8 +45,8 @@ if TYPE_CHECKING:
         HqpSolver,
         Solution,
         Status,
-        blocked,
         describe,
+        explain_unmet_levels,
         make_solver,
     )
     from lexstack.limits import Bounds, JointLimits, LimitOptions, LimitsInForce, viable_bounds
@@ -54,6 +54,7 @@ if TYPE_CHECKING:
         DEFAULT_HTMPC,
         HT_ARCH,
         ST_ARCH,
+        CollisionScene,
         Htmpc,
         HtmpcConfig,
         Objective,
@@ -61,7 +62,6 @@ if TYPE_CHECKING:
         SequenceRunner,
         SequenceTask,
         Start,
-        Surroundings,
     )
     from lexstack.references import References, ReferenceSchedule, Target
     from lexstack.robots import (
@@ -102,10 +102,11 @@ else:
         {
             "control": "Command Controller StackSolver make_controller make_stack_solver",
             "errors": "ConfigurationError InputError LexstackError ModelError",
-            "hqp": "SOLVERS HqpProblem HqpSolver Solution Status blocked describe make_solver",
+            "hqp": "SOLVERS HqpProblem HqpSolver Solution Status describe "
+            "explain_unmet_levels make_solver",
             "limits": "Bounds JointLimits LimitOptions LimitsInForce viable_bounds",
             "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH Htmpc HtmpcConfig Objective "
-            "Plan SequenceRunner SequenceTask Start Surroundings",
+            "Plan SequenceRunner SequenceTask Start CollisionScene",
             "references": "ReferenceSchedule References Target",
             "robots": "Kinematics ObstacleConfig Obstacles Pose RobotConfig "
             "RobotModel Team mobile_manipulator",
@@ -125,6 +126,7 @@ __all__ = [
     "TASKS",
     "Announcement",
     "Bounds",
+    "CollisionScene",
     "Command",
     "ConfigurationError",
     "Controller",
@@ -164,7 +166,6 @@ __all__ = [
     "StackSolver",
     "Start",
     "Status",
-    "Surroundings",
     "Target",
     "Task",
     "TaskConfig",
@@ -174,9 +175,9 @@ __all__ = [
     "TransitionOptions",
     "TransitionState",
     "Vector",
-    "blocked",
     "build_stack",
     "describe",
+    "explain_unmet_levels",
     "make_controller",
     "make_solver",
     "make_stack_solver",

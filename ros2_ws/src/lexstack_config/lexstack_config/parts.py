@@ -10,7 +10,7 @@ import numpy as np
 from lexstack.control import Controller, StackSolver, make_controller, make_stack_solver
 from lexstack.errors import ConfigurationError
 from lexstack.hqp import Damper, SolverFactory
-from lexstack.limits import BoxLaw
+from lexstack.limits import BoundsProvider
 from lexstack.references import ReferenceSchedule
 from lexstack.robots import Obstacles, RobotModel, Team
 from lexstack.tasks import Stack, build_stack
@@ -124,7 +124,7 @@ def build_controller(
     resolved: ResolvedScenario,
     parts: Parts,
     solver: SolverFactory | None = None,
-    box: BoxLaw | None = None,
+    box: BoundsProvider | None = None,
     damper: Damper | None = None,
 ) -> Controller:
     """Return robot A's controller.

@@ -15,10 +15,10 @@ from lexstack.hqp import (
     NearSingular,
     Solution,
     near_singularity,
-    refusal,
+    rejection_reason,
 )
 from lexstack.limits.joint_limits import Bounds, JointLimits
-from lexstack.limits.limits_in_force import BoxLaw
+from lexstack.limits.limits_in_force import BoundsProvider
 from lexstack.limits.viable_bounds import target_bounds
 from lexstack.references import ReferenceSchedule, measured
 from lexstack.robots import Kinematics, Team
@@ -87,7 +87,7 @@ class Controller:
         references: ReferenceSchedule,
         transition: Transition,
         solver: HqpSolver,
-        box: BoxLaw,
+        box: BoundsProvider,
         damper: Damper | None = None,
     ) -> None:
         """Put the parts together; ``box`` keeps the limits, and knows the control period.
@@ -194,7 +194,9 @@ class Controller:
         bounds, chi = self._problem.bounds, self._warm.chi
         if min(float((chi - bounds.lower).min()), float((bounds.upper - chi).min())) > _TOUCH:
             return ""
-        levels = lexstack.hqp.blocked(self._problem, self._warm)  # loads scipy.optimize, when asked
+        levels = lexstack.hqp.explain_unmet_levels(
+            self._problem, self._warm
+        )  # loads scipy.optimize, when asked
         held = [b for b in levels if any(obstacle.joint >= 0 for obstacle in b.obstacles)]
         return lexstack.hqp.describe(held, self._team.joint_names)
 
@@ -206,7 +208,7 @@ def checked(solution: Solution, bounds: Bounds) -> tuple[Vector, str]:
     solution may be sent (failed, not finite, out of the box), the box's nearest point to zero: the
     robots brake as fast as their limits allow.
     """
-    reason = refusal(solution, bounds)
+    reason = rejection_reason(solution, bounds)
     if reason:
         return np.clip(0.0, bounds.lower, bounds.upper), f"braking: {reason}"
     return np.minimum(np.maximum(solution.chi, bounds.lower), bounds.upper), solution.note

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from lexstack.control.controller import Controller
 from lexstack.control.stack_solver import StackSolver
 from lexstack.hqp import DEFAULT_SOLVER, Damper, HqpSolver, SolverFactory, make_solver
-from lexstack.limits import BoxLaw, LimitOptions, LimitsInForce
+from lexstack.limits import BoundsProvider, LimitOptions, LimitsInForce
 from lexstack.references import ReferenceSchedule
 from lexstack.robots import Team
 from lexstack.tasks import Stack
@@ -40,7 +40,7 @@ def make_controller(
     *,
     unfit: Mapping[str, str] | None = None,
     solver: SolverFactory | str = DEFAULT_SOLVER,
-    box: BoxLaw | None = None,
+    box: BoundsProvider | None = None,
     damper: Damper | None = None,
 ) -> Controller:
     """Return the controller of a team: one call of its ``tick`` per state, one command back.

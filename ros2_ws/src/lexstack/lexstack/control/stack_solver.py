@@ -15,7 +15,7 @@ from lexstack.robots import Kinematics, Team
 from lexstack.tasks.registry import TASKS
 from lexstack.tasks.stack import AT_REST, Level, Stack
 from lexstack.transition.messages import Announcement, SourceSample
-from lexstack.transition.robot_group import Part
+from lexstack.transition.robot_group import RobotGroup
 from lexstack.types import LinearTask
 
 
@@ -61,7 +61,7 @@ class StackSolver:
         self._solver = solver
         self._dt = dt
         self._damper = damper or Damper(team, dt)
-        self._parts: dict[tuple[int, ...], Part] = {}
+        self._parts: dict[tuple[int, ...], RobotGroup] = {}
         self._warm: dict[tuple[str, tuple[int, ...] | None], Solution] = {}
 
     def bounds(self, stack: str | Stack, kinematics: Kinematics) -> Bounds:
@@ -106,7 +106,7 @@ class StackSolver:
             revision=references.revision,
         )
 
-    def _solved(self, damped: Damped, part: Part | None, last: Solution | None) -> Solution:
+    def _solved(self, damped: Damped, part: RobotGroup | None, last: Solution | None) -> Solution:
         """Return the solution over all joints; those that a stack does not move are at rest."""
         problem, warm = damped.problem, damped.warm(last)
         if part is None:
@@ -130,17 +130,19 @@ class StackSolver:
         """Return a stack, by its name or as it is."""
         return self._stacks[stack] if isinstance(stack, str) else stack
 
-    def _part(self, stack: Stack) -> Part | None:
+    def _part(self, stack: Stack) -> RobotGroup | None:
         """Return the robots that a stack moves, None for all of them."""
         robots = stack.robots
         if robots is None or len(robots) == len(self._team.robots):
             return None
         if robots not in self._parts:
-            self._parts[robots] = Part.of(self._team, robots)
+            self._parts[robots] = RobotGroup.of(self._team, robots)
         return self._parts[robots]
 
 
-def _alone(levels: tuple[tuple[LinearTask, ...], ...], bounds: Bounds, part: Part) -> HqpProblem:
+def _alone(
+    levels: tuple[tuple[LinearTask, ...], ...], bounds: Bounds, part: RobotGroup
+) -> HqpProblem:
     """Return a problem without the joints that it does not move."""
     mine = part.columns
     kept = tuple(
@@ -150,7 +152,7 @@ def _alone(levels: tuple[tuple[LinearTask, ...], ...], bounds: Bounds, part: Par
     return HqpProblem(kept, Bounds(bounds.lower[mine], bounds.upper[mine]))
 
 
-def _among_all(solution: Solution, part: Part, n: int) -> Solution:
+def _among_all(solution: Solution, part: RobotGroup, n: int) -> Solution:
     """Return the solution of such a problem with the other joints at rest."""
     chi, active = np.zeros(n), np.zeros(n, dtype=np.int8)
     chi[part.columns], active[part.columns] = solution.chi, solution.active

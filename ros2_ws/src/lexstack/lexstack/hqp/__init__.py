@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from lexstack.hqp.backends.quadprog import QuadprogCascade
     from lexstack.hqp.damping import Damped, Damper
     from lexstack.hqp.decoupled_solver import ClusteredSolver
-    from lexstack.hqp.diagnosis import Blocked, Obstacle, blocked, describe
-    from lexstack.hqp.fallback import FallbackSolver, refusal
+    from lexstack.hqp.diagnosis import Blocked, Obstacle, describe, explain_unmet_levels
+    from lexstack.hqp.fallback import FallbackSolver, rejection_reason
     from lexstack.hqp.hierarchy import Hierarchy
     from lexstack.hqp.problem import (
         DAMPED,
@@ -36,8 +36,8 @@ else:
             "backends.quadprog": "QuadprogCascade",
             "damping": "Damped Damper",
             "decoupled_solver": "ClusteredSolver",
-            "diagnosis": "Blocked Obstacle blocked describe",
-            "fallback": "FallbackSolver refusal",
+            "diagnosis": "Blocked Obstacle explain_unmet_levels describe",
+            "fallback": "FallbackSolver rejection_reason",
             "hierarchy": "Hierarchy",
             "problem": "DAMPED NEAR HqpProblem HqpSolver NearSingular "
             "Solution SolverFactory Status near_singularity",
@@ -68,10 +68,10 @@ __all__ = [
     "Solution",
     "SolverFactory",
     "Status",
-    "blocked",
     "describe",
+    "explain_unmet_levels",
     "lexicographic_oracle",
     "make_solver",
     "near_singularity",
-    "refusal",
+    "rejection_reason",
 ]

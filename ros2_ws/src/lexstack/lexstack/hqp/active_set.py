@@ -25,25 +25,25 @@ from lexstack.types import Matrix, Vector
 
 
 @dataclass(slots=True)
-class Guess:
+class WorkingSet:
     """What is held: joints at their bounds, shape (n,), and inequality rows, shape (M,)."""
 
     joints: Signs
     rows: Signs
 
     @classmethod
-    def split(cls, hierarchy: Hierarchy, sides: Signs) -> Guess:
+    def split(cls, hierarchy: Hierarchy, sides: Signs) -> WorkingSet:
         """Return the guess of one vector: first the joints, then all inequality rows."""
         n = hierarchy.matrix.shape[1]
         rows: Signs = np.zeros(hierarchy.lower.size, dtype=np.int8)
         rows[~hierarchy.equal] = sides[n:]
         return cls(sides[:n].copy(), rows)
 
-    def copy(self) -> Guess:
+    def copy(self) -> WorkingSet:
         """Return a guess of its own."""
-        return Guess(self.joints.copy(), self.rows.copy())
+        return WorkingSet(self.joints.copy(), self.rows.copy())
 
-    def keep_first_change(self, before: Guess) -> None:
+    def keep_first_change(self, before: WorkingSet) -> None:
         """Take back all changes but the first one: of a joint if there is one, else of a row."""
         first = True
         for own, old in ((self.joints, before.joints), (self.rows, before.rows)):
@@ -56,7 +56,7 @@ def solve_by_exchange(
     hierarchy: Hierarchy,
     lower: Vector,
     upper: Vector,
-    guess: Guess,
+    guess: WorkingSet,
     rounds: int,
     *,
     changes: int | None = None,
@@ -95,7 +95,7 @@ def solve_by_exchange(
     return None
 
 
-def hold_fixed(guess: Guess, lower: Vector, upper: Vector) -> Mask | None:
+def hold_fixed(guess: WorkingSet, lower: Vector, upper: Vector) -> Mask | None:
     """Hold the joints that cannot move; return which these are, shape (n,), or None for none."""
     fixed = upper - lower <= FEASIBILITY
     if not np.count_nonzero(fixed):
@@ -105,7 +105,7 @@ def hold_fixed(guess: Guess, lower: Vector, upper: Vector) -> Mask | None:
 
 
 def point_of(
-    hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Guess, bands: Bands | None
+    hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: WorkingSet, bands: Bands | None
 ) -> tuple[Vector, list[Step] | None]:
     """Return the optimum with what is held as equations, and the chain to it.
 
@@ -148,7 +148,7 @@ def hold(
     hierarchy: Hierarchy,
     chi: Vector,
     box: tuple[Vector, Vector],
-    guess: Guess,
+    guess: WorkingSet,
     inside: float,
 ) -> int:
     """Hold what chi violates by more than ``inside``; return how much that is."""
@@ -191,7 +191,7 @@ def release(
     hierarchy: Hierarchy,
     steps: list[Step],
     chi: Vector,
-    guess: Guess,
+    guess: WorkingSet,
     fixed: Mask | None,
     bands: Bands | None,
 ) -> int:

@@ -13,12 +13,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from lexstack.hqp.active_set import Guess, solve_by_exchange
+from lexstack.hqp.active_set import WorkingSet, solve_by_exchange
 from lexstack.hqp.columns import column_powers, restored_columns, scaled_columns, warm_columns
 from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, LevelRows, Signs
 from lexstack.hqp.level_qp import LevelQp, QpBackend
-from lexstack.hqp.nullspace_level import Walls, reduce_level
-from lexstack.hqp.preconditions import starting_point, touched
+from lexstack.hqp.nullspace_level import InheritedConstraints, reduce_level
+from lexstack.hqp.preconditions import active_bounds, starting_point
 from lexstack.hqp.problem import HqpProblem, Solution, Status, called
 from lexstack.hqp.rank_revealing_qr import factorise
 from lexstack.hqp.refine import Point, refine
@@ -75,10 +75,10 @@ class NullSpaceCascade:
             held = warm.active if warm is not None and warm.active.size == chi.size else None
             chi, reason = self._chi(even, bands, problem, chi, guess, held)
         slacks = hierarchy.slacks(hierarchy.residual(chi))
-        rows = even.touched(chi)
+        rows = even.active_bounds(chi)
         if bands is not None:
             rows = bands.restored(rows)
-        active = touched(chi, problem.bounds)
+        active = active_bounds(chi, problem.bounds)
         for array in (chi, active, slacks, rows):
             array.setflags(write=False)
         status = Status.FAILED if reason else Status.SOLVED
@@ -90,7 +90,7 @@ class NullSpaceCascade:
         bands: Bands | None,
         problem: HqpProblem,
         chi: Vector,
-        guess: Guess,
+        guess: WorkingSet,
         held: Signs | None,
     ) -> tuple[Vector, str]:
         """Return chi inside the bounds, and why it is not the optimum, if it is not.
@@ -128,7 +128,7 @@ class NullSpaceCascade:
         hierarchy: Hierarchy,
         lower: Vector,
         upper: Vector,
-        guess: Guess,
+        guess: WorkingSet,
         bands: Bands | None,
     ) -> Vector | None:
         """Return the optimum if the last active set, or one that the backend foresees, is its."""
@@ -136,12 +136,12 @@ class NullSpaceCascade:
         if chi is not None:
             return chi
         try:
-            sides = self._backend.foresee(hierarchy, lower, upper, guess.joints)
+            sides = self._backend.predict_active_set(hierarchy, lower, upper, guess.joints)
         except _BACKEND_ERRORS:
             sides = None
         if sides is None:
             return None
-        foreseen = Guess.split(hierarchy, sides)
+        foreseen = WorkingSet.split(hierarchy, sides)
         return solve_by_exchange(hierarchy, lower, upper, foreseen, _ROUNDS, bands=bands)
 
     def _descend(
@@ -149,7 +149,7 @@ class NullSpaceCascade:
     ) -> tuple[Vector, int, str]:
         """Solve level by level from a chi inside the bounds; return chi, where it ended and why."""
         basis: Matrix = np.eye(lower.size)[:, upper - lower > FEASIBILITY]
-        walls = [Walls.of_bounds(lower, upper)]
+        walls = [InheritedConstraints.of_bounds(lower, upper)]
         for k, level in enumerate([*levels, _smallest(lower.size)]):
             if basis.shape[1] == 0:
                 break
@@ -161,7 +161,7 @@ class NullSpaceCascade:
             chi = np.minimum(np.maximum(chi + basis.dot(point.z), lower), upper)
             basis = basis.dot(point.null)
             if not level.exact:
-                walls.append(Walls.of_satisfied(level, point.broken))
+                walls.append(InheritedConstraints.of_satisfied(level, point.broken))
         return chi, 0, ""
 
     def _solve_level(self, qp: LevelQp, guess: Signs) -> Point | str:
@@ -182,15 +182,15 @@ class NullSpaceCascade:
         return sides if isinstance(sides, str) else refine(qp, sides)
 
 
-def _last(hierarchy: Hierarchy, warm: Solution | None, n: int) -> Guess:
+def _last(hierarchy: Hierarchy, warm: Solution | None, n: int) -> WorkingSet:
     """Return the active set of the solution before, as far as it fits; else nothing is held."""
     rows: Signs = np.zeros(hierarchy.lower.size, dtype=np.int8)
     if warm is None or warm.active.size != n:
-        return Guess(np.zeros(n, dtype=np.int8), rows)
+        return WorkingSet(np.zeros(n, dtype=np.int8), rows)
     if not hierarchy.exact and warm.rows.size == rows.size:
         ends = np.where(warm.rows > 0, hierarchy.upper, hierarchy.lower)
         rows = np.where(hierarchy.equal | np.isinf(ends), np.int8(0), warm.rows)
-    return Guess(warm.active.copy(), rows)
+    return WorkingSet(warm.active.copy(), rows)
 
 
 def _smallest(n: int) -> LevelRows:

@@ -42,7 +42,7 @@ class Share:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class Subproblem:
     """Some clusters of a problem, to be solved together.
 
     Attributes:
@@ -65,7 +65,7 @@ class Structure:
         # With the matrix, so that no other one gets its id.
         self._known: dict[int, tuple[Matrix, Footprint]] = {}
 
-    def parts_of(self, problem: HqpProblem) -> tuple[Part, ...]:
+    def parts_of(self, problem: HqpProblem) -> tuple[Subproblem, ...]:
         """Return the parts of a problem.
 
         Only zeros that are zeros count: a part has all rows of its joints, exactly.
@@ -108,7 +108,7 @@ def share(task: LinearTask, rows: Place | None, columns: Place) -> LinearTask:
 
 
 @lru_cache(maxsize=64)
-def _parts(n: int, prints: tuple[tuple[Footprint, ...], ...], size: int) -> tuple[Part, ...]:
+def _parts(n: int, prints: tuple[tuple[Footprint, ...], ...], size: int) -> tuple[Subproblem, ...]:
     """Return the parts of a problem with these footprints."""
     masks = [_columns(mask, n) for level in prints for _, mask in level]
     groups = _packed(_clusters(n, [columns for columns in masks if columns is not None]), size)
@@ -131,7 +131,7 @@ def _parts(n: int, prints: tuple[tuple[Footprint, ...], ...], size: int) -> tupl
                 places[number].append(start + np.arange(rows))
             task, start = task + 1, start + rows
     return tuple(
-        Part(
+        Subproblem(
             _place(group),
             tuple(tuple(shares) for shares in levels[number]),
             np.concatenate([np.empty(0, dtype=np.intp), *places[number]]),

@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from lexstack.hqp.coupling import Part, Structure, share
+from lexstack.hqp.coupling import Structure, Subproblem, share
 from lexstack.hqp.problem import HqpProblem, HqpSolver, Solution, Status
 from lexstack.limits.joint_limits import Bounds
 
@@ -57,7 +57,7 @@ def _fits(problem: HqpProblem, n: int) -> bool:
     return not [task for task in tasks if task.matrix.ndim != 2 or task.matrix.shape[1] != n]
 
 
-def _warm(warm: Solution | None, part: Part, n: int) -> Solution | None:
+def _warm(warm: Solution | None, part: Subproblem, n: int) -> Solution | None:
     """Return what a solution says of a part."""
     if warm is None or warm.active.size != n:
         return None
@@ -71,7 +71,7 @@ def _warm(warm: Solution | None, part: Part, n: int) -> Solution | None:
 
 
 def _together(
-    parts: tuple[Part, ...], solutions: list[Solution], n: int, levels: int, start: float
+    parts: tuple[Subproblem, ...], solutions: list[Solution], n: int, levels: int, start: float
 ) -> Solution:
     """Return the solution of the whole: joints beside each other, residuals as one vector."""
     chi, active = np.empty(n), np.empty(n, dtype=np.int8)
@@ -97,7 +97,7 @@ def _together(
     return Solution(chi, slacks, status, reason, active, elapsed, rows, note)
 
 
-def _where(part: Part) -> str:
+def _where(part: Subproblem) -> str:
     """Return the joints of a part in words; its solver counts them from the first one."""
     if isinstance(part.columns, slice):
         return f"in joints {part.columns.start} to {part.columns.stop - 1}"

@@ -83,7 +83,7 @@ class _Row:
     most: float
 
 
-def blocked(
+def explain_unmet_levels(
     problem: HqpProblem, solution: Solution, threshold: float = UNMET
 ) -> tuple[Blocked, ...]:
     """Return the levels whose slack is above ``threshold``, with what stands in their way.
@@ -116,7 +116,7 @@ def describe(levels: Sequence[Blocked], joint_names: Sequence[str]) -> str:
     Levels and rows are counted from 1 in it.
 
     Args:
-        levels: as ``blocked`` returns them.
+        levels: as ``explain_unmet_levels`` returns them.
         joint_names: of all joints in the order of chi.
     """
     return "; ".join(_shortened([_sentence(level, joint_names) for level in levels]))

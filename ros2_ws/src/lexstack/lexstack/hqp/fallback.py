@@ -27,7 +27,7 @@ class FallbackSolver:
         self._others = others
 
     def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
-        """Return the first solution that passes ``refusal``, its ``note`` naming those that failed.
+        """Return the first solution that passes ``rejection_reason``; ``note``: those that did not.
 
         Where none does, it is the first solver's, failed, with the reasons of all.
 
@@ -35,7 +35,7 @@ class FallbackSolver:
             InputError: a task does not fit chi (a programming error, not a state of the robot).
         """
         first = self._first.solve(problem, warm)
-        why = refusal(first, problem.bounds)
+        why = rejection_reason(first, problem.bounds)
         if not why:
             return first
         reasons = [f"{self._first.name}: {why}"]
@@ -43,7 +43,7 @@ class FallbackSolver:
         for solver in self._others:
             solution = solver.solve(problem)
             seconds += solution.solve_time
-            why = refusal(solution, problem.bounds)
+            why = rejection_reason(solution, problem.bounds)
             if not why:
                 note = f"{'; '.join(reasons)}; solved by {solver.name}"
                 return replace(solution, note=note, solve_time=seconds)
@@ -52,7 +52,7 @@ class FallbackSolver:
         return replace(first, status=Status.FAILED, reason=reason, solve_time=seconds)
 
 
-def refusal(solution: Solution, bounds: Bounds) -> str:
+def rejection_reason(solution: Solution, bounds: Bounds) -> str:
     """Return why a solution may not be sent, or '': failed, not finite, or out of the box."""
     if not solution.solved:
         return solution.reason

@@ -179,7 +179,7 @@ class Hierarchy:
         parts = [residual[level.part] for level in self.levels]
         return np.array([math.sqrt(part.dot(part)) for part in parts])
 
-    def touched(self, chi: Vector) -> Signs:
+    def active_bounds(self, chi: Vector) -> Signs:
         """Return at which end the inequality rows are, or beyond which, shape (M,)."""
         sides: Signs = np.zeros(self.lower.size, dtype=np.int8)
         if not self.exact:

@@ -141,7 +141,7 @@ class QpBackend(Protocol):
         """
         ...
 
-    def foresee(
+    def predict_active_set(
         self, hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Signs
     ) -> Signs | None:
         """Return what probably holds at the optimum of all levels, or None if it has no idea.

@@ -14,7 +14,7 @@ _NEGLIGIBLE = 1e-9  # a joint whose row of the basis is shorter than this cannot
 
 
 @dataclass(frozen=True, slots=True)
-class Walls:
+class InheritedConstraints:
     """Rows that no level below may leave: the bounds of chi, satisfied inequality rows.
 
     Attributes:
@@ -30,12 +30,12 @@ class Walls:
     tolerance: float
 
     @classmethod
-    def of_bounds(cls, lower: Vector, upper: Vector) -> Walls:
+    def of_bounds(cls, lower: Vector, upper: Vector) -> InheritedConstraints:
         """Return the bounds of chi, shape (n,)."""
         return cls(np.eye(lower.size), lower, upper, _NEGLIGIBLE)
 
     @classmethod
-    def of_satisfied(cls, level: LevelRows, broken: Mask) -> Walls:
+    def of_satisfied(cls, level: LevelRows, broken: Mask) -> InheritedConstraints:
         """Return a level's satisfied inequality rows; ``broken`` says which are not, shape (s,).
 
         The broken ones are equations for the levels below, and part of their null space already.
@@ -45,7 +45,7 @@ class Walls:
 
 
 def reduce_level(
-    level: LevelRows, chi: Vector, basis: Matrix, walls: list[Walls]
+    level: LevelRows, chi: Vector, basis: Matrix, walls: list[InheritedConstraints]
 ) -> tuple[LevelQp, Indices]:
     """Return a level in z, where chi becomes chi + N z, and the joints of its first rows.
 

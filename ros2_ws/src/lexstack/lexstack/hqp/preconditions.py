@@ -43,7 +43,7 @@ def starting_point(hierarchy: Hierarchy, problem: HqpProblem) -> tuple[Vector, s
     return chi, ""
 
 
-def touched(chi: Vector, bounds: Bounds) -> Signs:
+def active_bounds(chi: Vector, bounds: Bounds) -> Signs:
     """Return -1 where chi is at its lower bound, +1 where it is at its upper bound, or both.
 
     Up to rounding: it is the next solve's first guess.

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from lexstack.hqp.active_set import (
-    Guess,
+    WorkingSet,
     hold,
     hold_fixed,
     point_of,
@@ -50,7 +50,7 @@ def with_weights(
     joints: Signs = np.zeros(chi.size, dtype=np.int8)
     joints[chi - lower <= near] = -1
     joints[upper - chi <= near] = 1
-    guess = Guess(joints, hierarchy.touched(chi))
+    guess = WorkingSet(joints, hierarchy.active_bounds(chi))
     careful = guess.copy()
     found = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, bands=bands)
     if found is None:
@@ -63,7 +63,7 @@ def with_weights(
 
 
 def _one_by_one(
-    hierarchy: Hierarchy, bands: Bands, box: tuple[Vector, Vector], guess: Guess
+    hierarchy: Hierarchy, bands: Bands, box: tuple[Vector, Vector], guess: WorkingSet
 ) -> Vector | None:
     """Return the optimum, found by exchanging only the first wrong place of each guess.
 

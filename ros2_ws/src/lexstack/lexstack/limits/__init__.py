@@ -4,14 +4,14 @@ from lexstack.limits.jerk_bounds import JerkLaw
 from lexstack.limits.joint_limits import LIMITS, Bounds, JointLimits
 from lexstack.limits.limit_timing import Motion
 from lexstack.limits.limit_transition import LimitBlend
-from lexstack.limits.limits_in_force import BoxLaw, LimitOptions, LimitsInForce
+from lexstack.limits.limits_in_force import BoundsProvider, LimitOptions, LimitsInForce
 from lexstack.limits.stopping import approach_speed
 from lexstack.limits.viable_bounds import is_viable, target_bounds, viable_bounds
 
 __all__ = [
     "LIMITS",
     "Bounds",
-    "BoxLaw",
+    "BoundsProvider",
     "JerkLaw",
     "JointLimits",
     "LimitBlend",

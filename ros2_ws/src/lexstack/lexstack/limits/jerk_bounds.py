@@ -34,7 +34,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.limits.stopping import approach_speed, keeps_room, look_ahead
+from lexstack.limits.stopping import approach_speed, keeps_room, largest_stoppable_change
 from lexstack.types import Vector
 
 _FAR = 1e100  # stands for infinite room: its square does not overflow
@@ -177,7 +177,7 @@ class JerkLaw:
         least = -other_side(largest)
         columns = (x[near] / step for x in (room, speed, self._used, least, largest))
         joints = zip(*(column.tolist() for column in columns), strict=True)
-        largest[near] = np.array([look_ahead(*joint) for joint in joints]) * step
+        largest[near] = np.array([largest_stoppable_change(*joint) for joint in joints]) * step
 
 
 def other_side(both: Vector) -> Vector:

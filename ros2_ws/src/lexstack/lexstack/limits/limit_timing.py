@@ -40,7 +40,7 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lateness:
+class LimitTiming:
     """How late the joints are, shape (2n,): as seen towards the lower, then the upper limits.
 
     Attributes:
@@ -58,7 +58,7 @@ class Lateness:
     gaps: Vector
 
     @classmethod
-    def of(cls, old: JointLimits, new: JointLimits, motion: Motion) -> Lateness:
+    def of(cls, old: JointLimits, new: JointLimits, motion: Motion) -> LimitTiming:
         """Return it for a change of limits at this state of motion."""
         n, dt = new.n, motion.dt
         position = np.concatenate((-motion.position, motion.position))

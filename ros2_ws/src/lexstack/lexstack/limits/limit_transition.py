@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lexstack.limits.joint_limits import JointLimits
-from lexstack.limits.limit_timing import Lateness, Motion
+from lexstack.limits.limit_timing import LimitTiming, Motion
 from lexstack.types import Vector
 
 __all__ = ["LimitBlend", "Motion"]
@@ -68,7 +68,7 @@ class LimitBlend:
             tick: the tick of the trigger, the first whose box is made from ``at``.
             duration: how long position limits move [s]; 0: the least time.
         """
-        late = Lateness.of(old, new, motion)
+        late = LimitTiming.of(old, new, motion)
         given = int(np.ceil(duration / motion.dt - 1e-9))
         moved = (late.ticks > 0) & ~late.fast if given > 0 else np.zeros(2 * new.n, dtype=np.bool_)
         ticks = np.where(moved, given, late.ticks)
@@ -100,7 +100,7 @@ class LimitBlend:
 
 
 def _drawn(
-    late: Lateness, held: NDArray[np.bool_], old: JointLimits, new: JointLimits
+    late: LimitTiming, held: NDArray[np.bool_], old: JointLimits, new: JointLimits
 ) -> JointLimits:
     """Return the limits while the joints that are ``held``, shape (2n,), are drawn inside."""
     n, braked = new.n, held & late.fast

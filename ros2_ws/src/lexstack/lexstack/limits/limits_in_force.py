@@ -31,7 +31,7 @@ class LimitOptions:
     duration: float = 0.0
 
 
-class BoxLaw(Protocol):
+class BoundsProvider(Protocol):
     """What robot A needs of its limits."""
 
     @property

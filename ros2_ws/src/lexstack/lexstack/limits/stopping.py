@@ -1,7 +1,7 @@
 """How fast a joint may go towards a limit in front of which it must stop, in discrete time.
 
-With acceleration alone ``approach_speed``; with jerk ``look_ahead``, of which ``jerk`` makes the
-box of all joints.
+With acceleration alone ``approach_speed``; with jerk ``largest_stoppable_change``, of which
+``jerk_bounds`` makes the box of all joints.
 """
 
 from __future__ import annotations
@@ -41,24 +41,26 @@ def approach_speed(room: Vector, rate: Vector, dt: float) -> Vector:
     return np.divide(doubled, root, out=root)
 
 
-def look_ahead(room: float, speed: float, used: float, least: float, largest: float) -> float:
+def largest_stoppable_change(
+    room: float, speed: float, used: float, least: float, largest: float
+) -> float:
     """Return max {w' in [least, largest]: F(v, w') <= d / dt}, or ``least``; in units of S.
 
     By Newton's method from above: F is convex, no step goes too far.
     """
     if speed > _FAR:
         return least
-    goes, slope = _goes(speed, used, largest)
+    goes, slope = _stopping_distance(speed, used, largest)
     if goes <= room:
         return largest
-    if _goes(speed, used, least)[0] > room:
+    if _stopping_distance(speed, used, least)[0] > room:
         return least
     change = largest
     for _ in range(_PASSES):
         change -= (goes - room) / slope
         if change <= least:
             break
-        goes, slope = _goes(speed, used, change)
+        goes, slope = _stopping_distance(speed, used, change)
         if goes - room <= _ROUNDING * (used + room):
             return change
     return least
@@ -66,10 +68,12 @@ def look_ahead(room: float, speed: float, used: float, least: float, largest: fl
 
 def keeps_room(room: float, speed: float, used: float, change: float) -> bool:
     """Return whether F(v, w') <= d / dt, within rounding; in units of S."""
-    return speed <= _FAR and _goes(speed, used, change)[0] - room <= _KEPT * (used + abs(room))
+    return speed <= _FAR and _stopping_distance(speed, used, change)[0] - room <= _KEPT * (
+        used + abs(room)
+    )
 
 
-def _goes(speed: float, used: float, change: float) -> tuple[float, float]:
+def _stopping_distance(speed: float, used: float, change: float) -> tuple[float, float]:
     """Return F(v, w') and its derivative by w', in units of S."""
     v, c = speed + change, change - 0.5
     by_v, by_c = 1.0, 1.0  # derivatives of v and c

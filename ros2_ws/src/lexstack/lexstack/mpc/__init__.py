@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
-    from lexstack.mpc.collision_cost import Surroundings
+    from lexstack.mpc.collision_cost import CollisionScene
     from lexstack.mpc.double_integrator import Horizon
     from lexstack.mpc.htmpc import Htmpc, Start
     from lexstack.mpc.options import (
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from lexstack.mpc.plan import Plan
     from lexstack.mpc.sequence.options import SequenceConfig, SequenceTaskConfig
     from lexstack.mpc.sequence.reach import Reach
-    from lexstack.mpc.sequence.robot_pose import Present
+    from lexstack.mpc.sequence.robot_pose import RobotPose
     from lexstack.mpc.sequence.runner import (
         ARCHITECTURES,
         Change,
@@ -40,7 +40,7 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
-            "collision_cost": "Surroundings",
+            "collision_cost": "CollisionScene",
             "double_integrator": "Horizon",
             "htmpc": "Htmpc Start",
             "options": "DEFAULT_HTMPC BarrierConfig CollisionConfig Constraint EffortConfig "
@@ -48,7 +48,7 @@ else:
             "plan": "Plan",
             "sequence.options": "SequenceConfig SequenceTaskConfig",
             "sequence.reach": "Reach",
-            "sequence.robot_pose": "Present",
+            "sequence.robot_pose": "RobotPose",
             "sequence.runner": "ARCHITECTURES Change Progress SequenceRunner tasks_of",
             "sequence.sequence": "HT_ARCH ST_ARCH Architecture Sequence check_tasks",
             "sequence.task": "SequenceTask",
@@ -70,6 +70,7 @@ __all__ = [
     "BarrierConfig",
     "Change",
     "CollisionConfig",
+    "CollisionScene",
     "Constraint",
     "EffortConfig",
     "Horizon",
@@ -81,9 +82,9 @@ __all__ = [
     "Objective",
     "Outcome",
     "Plan",
-    "Present",
     "Progress",
     "Reach",
+    "RobotPose",
     "Sequence",
     "SequenceConfig",
     "SequenceRunner",
@@ -91,7 +92,6 @@ __all__ = [
     "SequenceTaskConfig",
     "StageModel",
     "Start",
-    "Surroundings",
     "Task",
     "TaskWeightsConfig",
     "Trajectory",

@@ -18,7 +18,7 @@ _CONCENTRIC = 1e-9  # m: below this there is no direction away
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surroundings:
+class CollisionScene:
     """Spheres in the way over the horizon: obstacles, and those of the other robot.
 
     Attributes:
@@ -32,13 +32,13 @@ class Surroundings:
     @classmethod
     def moving(
         cls, starts: Matrix, velocities: Matrix, radii: Vector, times: Vector
-    ) -> Surroundings:
+    ) -> CollisionScene:
         """Return spheres that go straight: shapes (o, 3) [m], (o, 3) [m/s], (o,), (N,) [s]."""
         return cls(starts + times[:, None, None] * velocities, radii)
 
-    def joined(self, other: Surroundings) -> Surroundings:
+    def joined(self, other: CollisionScene) -> CollisionScene:
         """Return both together."""
-        return Surroundings(
+        return CollisionScene(
             np.concatenate((self.centers, other.centers), axis=1),
             np.concatenate((self.radii, other.radii)),
         )
@@ -48,7 +48,7 @@ class Collisions:
     """The barriers of all pairs of the robot's spheres with surroundings and floor."""
 
     def __init__(
-        self, config: CollisionConfig, model: StageModel, around: Surroundings | None
+        self, config: CollisionConfig, model: StageModel, around: CollisionScene | None
     ) -> None:
         """Take what is in the way; raises InputError for shapes that do not fit."""
         self._config = config
@@ -123,7 +123,7 @@ class Collisions:
         return found
 
 
-def _check(around: Surroundings, stages: int) -> None:
+def _check(around: CollisionScene, stages: int) -> None:
     """Raise InputError for shapes or values that cannot be."""
     expected = (stages, len(around.radii), 3)
     if around.centers.shape != expected:

@@ -9,14 +9,14 @@ import numpy as np
 
 from lexstack.errors import InputError
 from lexstack.mpc.barriers import LimitBarrier
-from lexstack.mpc.collision_cost import Collisions, Surroundings
+from lexstack.mpc.collision_cost import Collisions, CollisionScene
 from lexstack.mpc.double_integrator import Horizon
 from lexstack.mpc.effort import Effort
 from lexstack.mpc.hard_limits import HardLimits
 from lexstack.mpc.level_problem import Iterate, Program
 from lexstack.mpc.level_sqp import Level
-from lexstack.mpc.lexicographic_constraints import Guard
-from lexstack.mpc.limited_qp import NOTHING, Holding
+from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
+from lexstack.mpc.limited_qp import EMPTY, ActiveSet
 from lexstack.mpc.options import HtmpcConfig
 from lexstack.mpc.plan import Plan
 from lexstack.mpc.stage_kinematics import StageModel
@@ -87,7 +87,7 @@ class Htmpc:
         start: Start,
         objectives: tuple[Objective, ...],
         before: Plan | None = None,
-        around: Surroundings | None = None,
+        around: CollisionScene | None = None,
     ) -> Plan:
         """Return the plan from a state.
 
@@ -118,29 +118,29 @@ class Htmpc:
             solve_time=perf_counter() - begun,
         )
 
-    def obstacles(self, q: Matrix) -> Surroundings:
+    def obstacles(self, q: Matrix) -> CollisionScene:
         """Return this robot's spheres as what is in another robot's way.
 
         Args:
             q: where it will be at the states 1 to N of the other one, shape (N, n).
         """
         at = self._model_with_spheres.at(q)
-        return Surroundings(at.centers, self._model_with_spheres.radii)
+        return CollisionScene(at.centers, self._model_with_spheres.radii)
 
     def _solve_levels(
         self, program: Program, tasks: list[Task], iterate: Iterate, before: Plan | None
-    ) -> tuple[list[LevelStatus], tuple[Holding, ...], Iterate]:
+    ) -> tuple[list[LevelStatus], tuple[ActiveSet, ...], Iterate]:
         """Solve all levels in order; what comes below a failure is skipped."""
-        guards: list[Guard] = []
+        guards: list[LexicographicConstraint] = []
         levels: list[LevelStatus] = []
         guessed = iterate
         known = () if before is None else before.holding
-        holding: list[Holding] = []
+        holding: list[ActiveSet] = []
         for i, task in enumerate(tasks):
             if levels and not levels[-1].outcome.sound:
                 levels.append(_skipped(i, task, iterate))
                 continue
-            guess = known[i] if i < len(known) else NOTHING
+            guess = known[i] if i < len(known) else EMPTY
             level = Level(self.config, program, task, tuple(guards), guess)
             if i and self.config.resume:
                 iterate = level.better(iterate, guessed)
@@ -148,11 +148,13 @@ class Htmpc:
             holding.append(level.holding)
             levels.append(status)
             best = task.error(iterate.at)
-            guards.append(Guard(i, task, best, self.config.lexicographic, self.horizon))
+            guards.append(
+                LexicographicConstraint(i, task, best, self.config.lexicographic, self.horizon)
+            )
         return levels, tuple(holding), iterate
 
     def program(
-        self, start: Start, before: Plan | None = None, around: Surroundings | None = None
+        self, start: Start, before: Plan | None = None, around: CollisionScene | None = None
     ) -> Program:
         """Return what all levels of a solve share; arguments as in ``solve``."""
         model = self._model if around is None and not self._floor else self._model_with_spheres

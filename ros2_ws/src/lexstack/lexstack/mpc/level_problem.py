@@ -28,14 +28,14 @@ class Iterate:
         q: states 0 to N, shape (N + 1, n).
         v: likewise.
         at: kinematics at the states 1 to N.
-        upkeep: effort and barriers: the part of the cost that all levels share.
+        shared_cost: effort and barriers: the part of the cost that all levels share.
     """
 
     u: Matrix
     q: Matrix
     v: Matrix
     at: StageKinematics
-    upkeep: float
+    shared_cost: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,11 +78,11 @@ class Program:
         """Roll out inputs of shape (N, n)."""
         q, v = self.horizon.roll_out(self._q, self._v, u)
         at = self._model.at(q[1:])
-        upkeep = self._effort.value(v[1:], u, self._previous)
-        upkeep += self._barrier.value(q[1:], v[1:], u)
+        shared_cost = self._effort.value(v[1:], u, self._previous)
+        shared_cost += self._barrier.value(q[1:], v[1:], u)
         if self.collisions.active:
-            upkeep += self.collisions.value(at)
-        return Iterate(u, q, v, at, upkeep)
+            shared_cost += self.collisions.value(at)
+        return Iterate(u, q, v, at, shared_cost)
 
     def kinematics(self, u: Matrix) -> StageKinematics:
         """Return where inputs of shape (N, n) lead, at the states 1 to N."""
@@ -90,7 +90,7 @@ class Program:
 
     def cost(self, iterate: Iterate, task: Task) -> float:
         """Return J_l + J_eff + barriers, H(9a)."""
-        return iterate.upkeep + task.cost_at(iterate.at)
+        return iterate.shared_cost + task.cost_at(iterate.at)
 
     def quadratic(self, iterate: Iterate, task: Task) -> Quadratic:
         """Return the cost of a level near an iterate; only the joints that the task may move."""

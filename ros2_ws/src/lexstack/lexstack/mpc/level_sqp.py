@@ -8,8 +8,8 @@ import numpy as np
 
 from lexstack.mpc.condensed_qp import CondensedQp
 from lexstack.mpc.level_problem import Iterate, Program, Quadratic
-from lexstack.mpc.lexicographic_constraints import Guard
-from lexstack.mpc.limited_qp import NOTHING, Holding, LimitedQp
+from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
+from lexstack.mpc.limited_qp import EMPTY, ActiveSet, LimitedQp
 from lexstack.mpc.options import HtmpcConfig
 from lexstack.mpc.stage_kinematics import StageKinematics
 from lexstack.mpc.status import LevelStatus, Outcome
@@ -54,8 +54,8 @@ class Level:
         config: HtmpcConfig,
         program: Program,
         task: Task,
-        guards: tuple[Guard, ...],
-        holding: Holding = NOTHING,
+        guards: tuple[LexicographicConstraint, ...],
+        holding: ActiveSet = EMPTY,
     ) -> None:
         """Take the level's task, and the constraints of the levels above, highest first."""
         self._config = config

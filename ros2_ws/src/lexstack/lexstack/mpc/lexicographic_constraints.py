@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 _ROUNDING = 1e-12
 
 
-class Guard:
+class LexicographicConstraint:
     """The lexicographic constraints of one solved level.
 
     Attributes:

@@ -24,7 +24,7 @@ _ROUNDS = 50
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Holding:
+class ActiveSet:
     """What held at a solution: a guess for the next one.
 
     Attributes:
@@ -38,7 +38,7 @@ class Holding:
     sides: Vector
 
 
-NOTHING = Holding(np.zeros(0), NOWHERE, np.zeros(0))
+EMPTY = ActiveSet(np.zeros(0), NOWHERE, np.zeros(0))
 
 
 class LimitedQp:
@@ -54,7 +54,7 @@ class LimitedQp:
         gradient: Vector,
         guards: Matrix,
         moving: Vector | None = None,
-        first: Holding = NOTHING,
+        first: ActiveSet = EMPTY,
     ) -> None:
         """Prepare the QP.
 
@@ -129,12 +129,12 @@ class LimitedQp:
         return direction, word
 
     @property
-    def holding(self) -> Holding:
+    def holding(self) -> ActiveSet:
         """What held at the last solution."""
         signs = np.sign(self._multipliers)
         limits = signs[self._guards :]
         held = np.flatnonzero(limits)
-        return Holding(signs[: self._guards], self.places[:, held], limits[held])
+        return ActiveSet(signs[: self._guards], self.places[:, held], limits[held])
 
     def _scaled(self, bounds: Vector, nothing: float) -> Vector:
         """Return bounds for rows of length 1; rows that no step can change are left out."""

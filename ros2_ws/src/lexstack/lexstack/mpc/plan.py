@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.mpc.limited_qp import Holding
+from lexstack.mpc.limited_qp import ActiveSet
 from lexstack.mpc.status import LevelStatus
 from lexstack.types import Matrix, Vector
 
@@ -34,7 +34,7 @@ class Plan:
     u: Matrix
     levels: tuple[LevelStatus, ...]
     errors: tuple[Matrix, ...]
-    holding: tuple[Holding, ...]
+    holding: tuple[ActiveSet, ...]
     solve_time: float
 
     @property

@@ -1,7 +1,7 @@
 """The tasks, one file each, and stacks of them."""
 
 from lexstack.tasks.base_pose import Base
-from lexstack.tasks.collision_avoidance import Distance, DistanceParameters
+from lexstack.tasks.collision_avoidance import CollisionAvoidance, CollisionAvoidanceParameters
 from lexstack.tasks.frame_pose import EePose, EePoseParameters, pose_error, saturated
 from lexstack.tasks.frame_position import EePosition
 from lexstack.tasks.options import (
@@ -16,21 +16,20 @@ from lexstack.tasks.registry import TASKS
 from lexstack.tasks.relative_pose import RelativePose, cross, other_end
 from lexstack.tasks.stack import AT_REST, Level, Stack, build_stack, joined
 from lexstack.tasks.task import Task, TaskFactory
-from lexstack.tasks.velocity_damping import MinimumVelocity
+from lexstack.tasks.velocity_damping import VelocityDamping
 
 __all__ = [
     "AT_REST",
     "TASKS",
     "Base",
-    "Distance",
-    "DistanceParameters",
+    "CollisionAvoidance",
+    "CollisionAvoidanceParameters",
     "EePose",
     "EePoseParameters",
     "EePosition",
     "JointLimitConfig",
     "Level",
     "LevelConfig",
-    "MinimumVelocity",
     "Posture",
     "PostureParameters",
     "RelativePose",
@@ -39,6 +38,7 @@ __all__ = [
     "Task",
     "TaskConfig",
     "TaskFactory",
+    "VelocityDamping",
     "build_stack",
     "cross",
     "joined",

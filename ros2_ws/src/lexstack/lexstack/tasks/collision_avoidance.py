@@ -1,4 +1,4 @@
-"""Distance to obstacles and other robots: an inequality on the speed of approach.
+"""CollisionAvoidance to obstacles and other robots: an inequality on the speed of approach.
 
 A pair is a sphere of the robot, center c_i, and an obstacle, or a sphere of another robot or of the
 robot itself, center c_j. With n = (c_i - c_j) / |c_i - c_j|, and r = |c_i - c_j| - r_i - r_j -
@@ -45,7 +45,7 @@ _NEAR = 1e-9  # m, centers nearer than this have no direction between them
 
 
 @dataclass(frozen=True, slots=True)
-class DistanceParameters:
+class CollisionAvoidanceParameters:
     """Parameters of the task ``distance``."""
 
     margin: float = 0.05  # m, between the surfaces
@@ -69,11 +69,15 @@ class DistanceParameters:
             )
 
 
-class Distance:
+class CollisionAvoidance:
     """n.(J_i - J_j) chi >= n.v_j - w(r), one row for each of the nearest pairs."""
 
     def __init__(
-        self, team: Team, robot: int, parameters: DistanceParameters, where: str = "distance"
+        self,
+        team: Team,
+        robot: int,
+        parameters: CollisionAvoidanceParameters,
+        where: str = "distance",
     ) -> None:
         """Make the task of the robot at place ``robot``; raises for names that are not there."""
         self.name = f"{team.names[robot]}/distance"
@@ -117,9 +121,9 @@ class Distance:
     @classmethod
     def from_config(
         cls, team: Team, robot: int, parameters: dict[str, Any], where: str
-    ) -> Distance:
+    ) -> CollisionAvoidance:
         """Return the task that a stack file describes; raises ConfigurationError."""
-        return cls(team, robot, build(DistanceParameters, parameters, where), where)
+        return cls(team, robot, build(CollisionAvoidanceParameters, parameters, where), where)
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return one row [m/s] for each of the nearest pairs, in an order that seldom changes.

@@ -1,20 +1,20 @@
 """The tasks by the name that stack files use: a new one is its file and one line here."""
 
 from lexstack.tasks.base_pose import Base
-from lexstack.tasks.collision_avoidance import Distance
+from lexstack.tasks.collision_avoidance import CollisionAvoidance
 from lexstack.tasks.frame_pose import EePose
 from lexstack.tasks.frame_position import EePosition
 from lexstack.tasks.posture import Posture
 from lexstack.tasks.relative_pose import RelativePose
 from lexstack.tasks.task import TaskFactory
-from lexstack.tasks.velocity_damping import MinimumVelocity
+from lexstack.tasks.velocity_damping import VelocityDamping
 
 TASKS: dict[str, TaskFactory] = {
     "base": Base.from_config,
-    "distance": Distance.from_config,
+    "distance": CollisionAvoidance.from_config,
     "ee_pose": EePose.from_config,
     "ee_position": EePosition.from_config,
-    "minimum_velocity": MinimumVelocity.from_config,
+    "minimum_velocity": VelocityDamping.from_config,
     "posture": Posture.from_config,
     "relative_pose": RelativePose.from_config,
 }

@@ -14,7 +14,7 @@ from lexstack.types import LinearTask
 
 
 @dataclass(frozen=True, slots=True)
-class MinimumVelocityParameters:
+class VelocityDampingParameters:
     """Parameters of the task ``minimum_velocity``: what a unit of each velocity costs."""
 
     base_cost: float = 1.0  # of 1 m/s or 1 rad/s of a base joint
@@ -25,10 +25,10 @@ class MinimumVelocityParameters:
         positive(where, base_cost=self.base_cost, arm_cost=self.arm_cost)
 
 
-class MinimumVelocity:
+class VelocityDamping:
     """W chi -> 0 with W the diagonal of costs."""
 
-    def __init__(self, team: Team, robot: int, parameters: MinimumVelocityParameters) -> None:
+    def __init__(self, team: Team, robot: int, parameters: VelocityDampingParameters) -> None:
         """Make the task of the robot at place ``robot`` of the team."""
         part = team.slices[robot]
         n = part.stop - part.start
@@ -43,9 +43,9 @@ class MinimumVelocity:
     @classmethod
     def from_config(
         cls, team: Team, robot: int, parameters: dict[str, Any], where: str
-    ) -> MinimumVelocity:
+    ) -> VelocityDamping:
         """Return the task that a stack file describes; raises ConfigurationError."""
-        return cls(team, robot, build(MinimumVelocityParameters, parameters, where))
+        return cls(team, robot, build(VelocityDampingParameters, parameters, where))
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return one row per joint of the robot."""

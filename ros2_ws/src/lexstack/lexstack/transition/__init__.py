@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
-    from lexstack.transition.gap_motion import Carry
+    from lexstack.transition.gap_motion import GapMotion
     from lexstack.transition.manager import Transition
     from lexstack.transition.messages import (
         Announcement,
@@ -32,7 +32,7 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
-            "gap_motion": "Carry",
+            "gap_motion": "GapMotion",
             "manager": "Transition",
             "messages": "Announcement Phase Source SourceSample SourceSchedule TransitionState",
             "methods": "JERK_LIMITED METHODS",
@@ -53,8 +53,8 @@ __all__ = [
     "PROFILES",
     "Announcement",
     "Answer",
-    "Carry",
     "Columns",
+    "GapMotion",
     "HeardPlan",
     "LocalSource",
     "MethodName",

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lexstack.hqp import HqpProblem, Solution, refusal
+from lexstack.hqp import HqpProblem, Solution, rejection_reason
 from lexstack.limits.joint_limits import Bounds
 from lexstack.types import Vector
 
@@ -31,7 +31,7 @@ class Auxiliary:
     def solve(self, problem: HqpProblem) -> Vector:
         """Return the optimum of a problem, shape (n,), or the command that is held."""
         solution = self._solve(problem)
-        reason = refusal(solution, problem.bounds)
+        reason = rejection_reason(solution, problem.bounds)
         return self.held(f"auxiliary problem: {reason}") if reason else solution.chi
 
     def held(self, reason: str) -> Vector:

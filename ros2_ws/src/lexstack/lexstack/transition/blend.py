@@ -10,15 +10,15 @@ import numpy as np
 from lexstack.hqp import HqpProblem
 from lexstack.transition.bridge import Bridge, latch
 from lexstack.transition.channel_problem import Means
-from lexstack.transition.gap_motion import Carry
-from lexstack.transition.latch_state import Past
+from lexstack.transition.gap_motion import GapMotion
+from lexstack.transition.latch_state import LatchState
 from lexstack.transition.messages import Source
 from lexstack.transition.methods import METHODS, View
 from lexstack.transition.profiles import alpha
 from lexstack.transition.relatch import Tally
 from lexstack.transition.requests import SwitchRequest
-from lexstack.transition.robot_group import Part
-from lexstack.transition.route import Way
+from lexstack.transition.robot_group import RobotGroup
+from lexstack.transition.route import Route
 from lexstack.transition.sources.inbox import Moment
 from lexstack.transition.time_optimal import Progress, advanced
 from lexstack.types import LinearTask, Vector
@@ -54,14 +54,14 @@ class Blend:
         tally: of what made it latch.
     """
 
-    way: Way
+    way: Route
     source: Source
     start: int
     duration: float
     bridge: Bridge
     source_chi: Vector
     step: Vector
-    carry: Carry | None = None
+    carry: GapMotion | None = None
     drift: Vector | None = None
     progress: Progress = _START
     alone: bool = False
@@ -77,10 +77,10 @@ class Blend:
     @classmethod
     def latched(
         cls,
-        way: Way,
+        way: Route,
         source: tuple[Source, Vector],
         level: tuple[LinearTask, ...],
-        past: Past,
+        past: LatchState,
         moment: Moment,
     ) -> Blend:
         """Return a blend that starts at this tick: delta and epsilon latched, alpha at 0.
@@ -143,7 +143,7 @@ class Blend:
         by_jerk = math.sqrt(5.774 * float((size / limits.jerk[mine]).max()) / _LITTLE[1])
         return min(self.duration, max(_SHORTEST, by_rate, by_jerk))
 
-    def of(self, part: Part) -> Blend:
+    def of(self, part: RobotGroup) -> Blend:
         """Return the blend of some of its robots, which goes on as it is."""
         way = self.way.of(part)
         target = self.way.target
@@ -201,7 +201,7 @@ class Blend:
         elapsed = (tick - self.start) * means.dt
         return alpha(self.request.profile, elapsed, self.duration) >= 1.0
 
-    def left(self, tick: int, duration: float, means: Means) -> tuple[Vector, Carry | None]:
+    def left(self, tick: int, duration: float, means: Means) -> tuple[Vector, GapMotion | None]:
         """Return what this blend, given up at ``tick``, leaves to the next one of ``duration`` [s].
 
         Returns:
@@ -218,7 +218,7 @@ class Blend:
             before, now, after = (self._lasting_gap(time) for time in times)
             speed, bend = (after - before) / (2.0 * means.dt), (after - 2.0 * now + before)
             older = () if self.carry is None else self.carry.fading(times[1])
-            carry = Carry(speed, bend / means.dt**2, duration, older=older)
+            carry = GapMotion(speed, bend / means.dt**2, duration, older=older)
         reach = means.limits.acceleration * means.dt
         return np.minimum(np.maximum(step, -reach), reach), carry
 
@@ -256,14 +256,14 @@ class Blend:
         gap = (1.0 - alpha(self.request.profile, elapsed, self.duration)) * self.bridge.delta
         return gap if self.carry is None else gap + self.carry.lasting(max(elapsed, 0.0))
 
-    def _with_slip(self, drift: Vector, means: Means) -> Carry | None:
+    def _with_slip(self, drift: Vector, means: Means) -> GapMotion | None:
         """Return the motion of the gap, now that the source's step from tick to tick is known."""
         if self.request.profile == "time_optimal":
             return None
         slip = (self.step - drift) / means.dt
         carry, limit = self.carry, means.limits.acceleration
         if carry is not None:
-            slip -= (carry.at(means.dt) - carry.at(0.0)) / means.dt if carry.older else carry.speed
+            slip -= (carry.at(means.dt) - carry.at(0.0)) / means.dt if carry.older else carry.rate
         # Joint by joint: what one robot feels is nothing to the others. What is far beyond all that
         # a joint can do is no acceleration, but a jump of the source.
         size = np.abs(slip)
@@ -271,4 +271,6 @@ class Blend:
         slip[(size <= _FELT * limit) | (size > _JUMP * limit)] = 0.0
         if not slip[self.way.part.columns].any():
             return carry
-        return replace(carry or Carry.none(slip.size, self.duration), slip=slip)
+        return replace(
+            carry or GapMotion.none(slip.size, self.duration), acceleration_mismatch=slip
+        )

@@ -30,42 +30,42 @@ _SHORT = 0.2  # s, tau; a jump of the source by x is felt as an excursion of abo
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Carry:
+class GapMotion:
     """The motion of a gap at its latch, shape (n,) each.
 
     Attributes:
-        speed: d', m/s^2 and rad/s^2.
-        bend: d'', m/s^3 and rad/s^3.
+        rate: d', m/s^2 and rad/s^2.
+        curvature: d'', m/s^3 and rad/s^3.
         duration: T [s].
-        slip: m/s^2 and rad/s^2; None until it is known.
+        acceleration_mismatch: m/s^2 and rad/s^2; None until it is known.
         older: slips of latches before, which still fade.
     """
 
-    speed: Vector
-    bend: Vector
+    rate: Vector
+    curvature: Vector
     duration: float
-    slip: Vector | None = None
+    acceleration_mismatch: Vector | None = None
     older: tuple[Slip, ...] = ()
 
     @classmethod
-    def none(cls, n: int, duration: float) -> Carry:
+    def none(cls, n: int, duration: float) -> GapMotion:
         """Return that of a gap which does not move."""
         zeros = np.zeros(n)
         return cls(zeros, zeros, duration)
 
-    def with_part(self, columns: Columns, other: Carry) -> Carry:
+    def with_part(self, columns: Columns, other: GapMotion) -> GapMotion:
         """Return it with the motion of another one on some joints, where it has none itself."""
-        speed, bend = self.speed.copy(), self.bend.copy()
-        speed[columns], bend[columns] = other.speed[columns], other.bend[columns]
+        speed, bend = self.rate.copy(), self.curvature.copy()
+        speed[columns], bend[columns] = other.rate[columns], other.curvature[columns]
         older = tuple((_on(columns, slip), age, tau) for slip, age, tau in other.older)
-        return replace(self, speed=speed, bend=bend, older=(*self.older, *older))
+        return replace(self, rate=speed, curvature=bend, older=(*self.older, *older))
 
     def at(self, elapsed: float) -> Vector:
         """Return its part of the gap ``elapsed`` seconds after the latch, shape (n,)."""
         value = self.lasting(elapsed)
-        if self.slip is not None:
+        if self.acceleration_mismatch is not None:
             tau = min(_SHORT, self.duration)
-            value += (tau * _quintics(elapsed / tau)[0]) * self.slip
+            value += (tau * _quintics(elapsed / tau)[0]) * self.acceleration_mismatch
         for slip, age, tau in self.older:
             value += (tau * _quintics((age + elapsed) / tau)[0]) * slip
         return value
@@ -73,15 +73,15 @@ class Carry:
     def lasting(self, elapsed: float) -> Vector:
         """Return what ``at`` does, without the slips."""
         by_speed, by_bend = _quintics(elapsed / self.duration)
-        value = (self.duration * by_speed) * self.speed
-        value += (self.duration**2 * by_bend) * self.bend
+        value = (self.duration * by_speed) * self.rate
+        value += (self.duration**2 * by_bend) * self.curvature
         return value
 
     def fading(self, elapsed: float) -> tuple[Slip, ...]:
         """Return the slips that still fade ``elapsed`` seconds after the latch."""
         slips = [(slip, age + elapsed, tau) for slip, age, tau in self.older]
-        if self.slip is not None:
-            slips.append((self.slip, elapsed, min(_SHORT, self.duration)))
+        if self.acceleration_mismatch is not None:
+            slips.append((self.acceleration_mismatch, elapsed, min(_SHORT, self.duration)))
         return tuple(entry for entry in slips if entry[1] < entry[2])
 
 

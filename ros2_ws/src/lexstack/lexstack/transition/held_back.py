@@ -11,7 +11,7 @@ import numpy as np
 
 from lexstack.hqp import NEAR
 from lexstack.hqp.rank_revealing_qr import factorise
-from lexstack.transition.robot_group import Part
+from lexstack.transition.robot_group import RobotGroup
 from lexstack.types import LinearTask, Vector
 
 HELD_BACK = 0.25
@@ -22,7 +22,7 @@ _RANK = 1e-8  # of a level's norm, as in the solver
 _PART = 0.3  # of the unit vector of a weak direction: joints that have less are not named
 
 
-def at_velocity_limit(part: Part, chi: Vector, velocity: Vector) -> bool:
+def at_velocity_limit(part: RobotGroup, chi: Vector, velocity: Vector) -> bool:
     """Return whether a joint of some robots is at its velocity limit in a chi of shape (n,).
 
     Args:
@@ -34,7 +34,9 @@ def at_velocity_limit(part: Part, chi: Vector, velocity: Vector) -> bool:
     return bool((np.abs(chi[mine]) >= _AT_LIMIT * velocity[mine]).any())
 
 
-def held_back(part: Part, levels: tuple[tuple[LinearTask, ...], ...], velocity: Vector) -> str:
+def held_back(
+    part: RobotGroup, levels: tuple[tuple[LinearTask, ...], ...], velocity: Vector
+) -> str:
     """Return which level asks for more than the velocity limits near a singularity, or ''.
 
     Of each level the smallest singular value counts in the directions that the levels above leave

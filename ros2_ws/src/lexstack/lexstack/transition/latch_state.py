@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lexstack.transition.gap_motion import Carry
+from lexstack.transition.gap_motion import GapMotion
 from lexstack.types import Vector
 
 HURRY = 0.0999  # s: of three latches within 0.1 s each, the last takes up no acceleration
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Past:
+class LatchState:
     """What A was about to do with some robots.
 
     Attributes:
@@ -23,5 +23,5 @@ class Past:
 
     start: Vector
     level_goes_on: bool
-    carry: Carry | None
+    carry: GapMotion | None
     recent: int = 0

@@ -18,14 +18,14 @@ from lexstack.transition.due import Due
 from lexstack.transition.messages import Announcement, Phase, SourceSample, TransitionState
 from lexstack.transition.methods import JERK_LIMITED, METHODS
 from lexstack.transition.options import TransitionOptions
-from lexstack.transition.requested_limits import AskedLimits
+from lexstack.transition.requested_limits import RequestedLimits
 from lexstack.transition.requests import Answer, RequestBook, SwitchRequest, in_effect
-from lexstack.transition.robot_group import Part
+from lexstack.transition.robot_group import RobotGroup
 from lexstack.transition.sources.announcements import Announcer, Wanted
 from lexstack.transition.sources.inbox import Choice, LocalSource, Moment, Sources
 from lexstack.transition.sources.mpc_plans import HeardPlan, PlanBook
-from lexstack.transition.sources.partial_samples import Joiner
-from lexstack.transition.status_report import told
+from lexstack.transition.sources.partial_samples import PartialSampleMerger
+from lexstack.transition.status_report import transition_state
 from lexstack.types import Vector
 
 
@@ -61,17 +61,17 @@ class Transition:
         self._stacks = stacks
         self._team = team
         self._whose = whose
-        self._joiner = Joiner(team)
+        self._joiner = PartialSampleMerger(team)
         self._sources = Sources(local, options)
         self._plans = PlanBook(team, options)
         self._book = RequestBook(whose, METHODS, options.switch, unfit, horizon=options.horizon)
         self._adopts = options.switch.at_end == "adopt"
         self._lockstep = options.lockstep
-        self._asked = AskedLimits(team.limits, always=options.limit_jerk)
+        self._asked = RequestedLimits(team.limits, always=options.limit_jerk)
         self._announcer = Announcer()
         self._tick = 0
         self._pending: tuple[SwitchRequest, ...] = ()  # whose tick has come, B's first chi has not
-        self._parts = {everyone: Part.of(team, everyone)}
+        self._parts = {everyone: RobotGroup.of(team, everyone)}
         initial = stacks[options.initial].of(everyone)
         first = Channel(self._parts[everyone], (initial,), initial.name)
         self._channels: tuple[Channel, ...] = (first,)
@@ -300,7 +300,7 @@ class Transition:
         """Return what to tell of this tick, after ``chi`` (n,) was solved; adopt at the end."""
         pairs = list(zip(self._channels, plans.each, strict=True))
         states = tuple(
-            told(channel, plan, chi, self._coming(channel), adopts=self._adopts)
+            transition_state(channel, plan, chi, self._coming(channel), adopts=self._adopts)
             for channel, plan in pairs
         )
         channels = tuple(
@@ -412,9 +412,9 @@ class Transition:
         robots = stack.robots
         return self._book.ask(name, 0.0, "", 0, self._tick, reason=reason, robots=robots)
 
-    def _part(self, robots: Iterable[int]) -> Part:
+    def _part(self, robots: Iterable[int]) -> RobotGroup:
         """Return the part of some robots, made when first asked for."""
         key = tuple(sorted(robots))
         if key not in self._parts:
-            self._parts[key] = Part.of(self._team, key)
+            self._parts[key] = RobotGroup.of(self._team, key)
         return self._parts[key]

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from lexstack.transition.bridge import follows_within
 from lexstack.transition.channel_problem import Means
 from lexstack.transition.messages import Source
-from lexstack.transition.route import Way
+from lexstack.transition.route import Route
 from lexstack.transition.sources.inbox import Choice, Moment
 from lexstack.types import LinearTask
 
@@ -88,7 +88,7 @@ class Tally:
         return moment.anew or moment.tick - self.anew <= stale
 
 
-def level_jumps(way: Way, level: tuple[LinearTask, ...], moment: Moment, means: Means) -> bool:
+def level_jumps(way: Route, level: tuple[LinearTask, ...], moment: Moment, means: Means) -> bool:
     """Return whether new references move level 1 by more than the joints follow in one tick.
 
     Less than that needs no bridge: a stream of small steps must not hold a transition up.

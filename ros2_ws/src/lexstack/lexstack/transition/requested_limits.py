@@ -14,7 +14,7 @@ Asked = tuple[Columns, JointLimits | None, bool]
 that keeps jerk limits."""
 
 
-class AskedLimits:
+class RequestedLimits:
     """The same object while nothing changes: its users tell limits apart by identity."""
 
     def __init__(self, own: JointLimits, *, always: bool) -> None:

@@ -16,7 +16,7 @@ Columns = slice | NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
+class RobotGroup:
     """Some robots of a team, in its order.
 
     Attributes:
@@ -35,7 +35,7 @@ class Part:
     team: Team
 
     @classmethod
-    def of(cls, team: Team, robots: Iterable[int]) -> Part:
+    def of(cls, team: Team, robots: Iterable[int]) -> RobotGroup:
         """Return the part of these robots of a team."""
         places = tuple(sorted(robots))
         names = tuple(team.names[robot] for robot in places)
@@ -53,7 +53,7 @@ class Part:
         )
         return cls(places, names, columns, pieces, team)
 
-    def shares(self, other: Part) -> bool:
+    def shares(self, other: RobotGroup) -> bool:
         """Return whether two parts have a robot in common."""
         return not set(self.robots).isdisjoint(other.robots)
 

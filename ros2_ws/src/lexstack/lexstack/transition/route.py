@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 from lexstack.tasks.stack import Stack
 from lexstack.transition.requests import SwitchRequest
-from lexstack.transition.robot_group import Part
+from lexstack.transition.robot_group import RobotGroup
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Way:
+class Route:
     """From where to where.
 
     Attributes:
@@ -22,12 +22,12 @@ class Way:
     """
 
     request: SwitchRequest
-    part: Part
+    part: RobotGroup
     origin: Stack
     target: Stack
     whole: bool
 
-    def of(self, part: Part) -> Way:
+    def of(self, part: RobotGroup) -> Route:
         """Return the way of some of its robots."""
         origin, target = self.origin.of(part.robots), self.target.of(part.robots)
-        return Way(self.request, part, origin, target, whole=False)
+        return Route(self.request, part, origin, target, whole=False)

@@ -31,7 +31,7 @@ def with_singularity(state: TransitionState, near: tuple[NearSingular, ...]) -> 
     return replace(state, reason=f"{NEAR}: {', '.join(tasks)}") if tasks else state
 
 
-def told(
+def transition_state(
     channel: Channel,
     plan: Plan,
     chi: Vector,

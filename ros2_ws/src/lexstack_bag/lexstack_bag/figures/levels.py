@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lexstack.errors import LexstackError
-from lexstack.hqp import Blocked, HqpProblem, Solution, Status, blocked
+from lexstack.hqp import Blocked, HqpProblem, Solution, Status, explain_unmet_levels
 from lexstack.limits import Bounds
 from lexstack.robots import Team
 from lexstack.tasks import Stack, build_stack
@@ -127,7 +127,7 @@ def _held(run: Run, team: Team, levels: Levels, command: int) -> dict[int, tuple
     nothing = np.zeros(chi.size, dtype=np.int8)
     solution = Solution(chi, np.zeros(len(levels)), Status.SOLVED, "", nothing, 0.0)
     problem = HqpProblem(levels, Bounds(lower, upper))
-    found = blocked(problem, solution, UNMET)
+    found = explain_unmet_levels(problem, solution, UNMET)
     return {each.level: _words(each, team.joint_names) for each in found}
 
 

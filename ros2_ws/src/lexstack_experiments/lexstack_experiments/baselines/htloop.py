@@ -8,21 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from lexstack.mpc import (
+    CollisionScene,
     Htmpc,
     Kind,
     LevelStatus,
     Objective,
     Plan,
-    Present,
+    RobotPose,
     Sequence,
     Start,
-    Surroundings,
     Trajectory,
 )
 from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htidkc import Htidkc
 
-Around = Callable[[Vector], Surroundings]
+Around = Callable[[Vector], CollisionScene]
 """What is in the way at the times of the states 1 to N [s]."""
 
 
@@ -122,7 +122,7 @@ def carry_out(
     longest: float,
     *,
     around: Around | None = None,
-    event: Callable[[Sequence, Present], Sequence] = lambda sequence, _present: sequence,
+    event: Callable[[Sequence, RobotPose], Sequence] = lambda sequence, _present: sequence,
 ) -> tuple[Record, tuple[tuple[float, str], ...]]:
     """Do a sequence of tasks from rest at q; returns the record, and when each task was done.
 
@@ -140,7 +140,7 @@ def carry_out(
     done: list[tuple[float, str]] = []
     for k in range(round(longest / step)):
         now = k * step
-        present = Present.of(optimiser.robot, now, q)
+        present = RobotPose.of(optimiser.robot, now, q)
         before = event(sequence, present)
         sequence = before.advanced(present)
         if sequence.first != before.first:

@@ -33,9 +33,9 @@ class Symbols:
         gaps: x_{k+1} - A x_k - B u_k, shape (2 n, N); zero on the dynamics.
         errors: of each task, shape (s, N).
         costs: J of each task, H(8).
-        upkeep: effort H(10) and all barriers.
+        shared_cost: effort H(10) and all barriers.
         rooms: what is left of the distances H(7c), shape (r, 1).
-        smooth: ``upkeep`` without the barriers of the distances.
+        smooth: ``shared_cost`` without the barriers of the distances.
     """
 
     x: ca.MX
@@ -46,7 +46,7 @@ class Symbols:
     gaps: ca.MX
     errors: tuple[ca.MX, ...]
     costs: tuple[ca.MX, ...]
-    upkeep: ca.MX
+    shared_cost: ca.MX
     rooms: ca.MX
     smooth: ca.MX
 
@@ -82,9 +82,11 @@ def program(
     costs = tuple(_tracking(config, kind, error) for kind, error in zip(kinds, errors, strict=True))
     smooth = _effort(config, v, u, start[2 * n :]) + _limits(robot, config, q, v, u)
     rooms = _rooms(robot, config.collision, places[3], spheres, (obstacles, radii))
-    upkeep = smooth + far_barrier(config.collision, rooms) if rooms.numel() else smooth
+    shared_cost = smooth + far_barrier(config.collision, rooms) if rooms.numel() else smooth
     gaps = _gaps(x, u, start[: 2 * n], config.step)
-    return Symbols(x, u, start, references, obstacles, gaps, errors, costs, upkeep, rooms, smooth)
+    return Symbols(
+        x, u, start, references, obstacles, gaps, errors, costs, shared_cost, rooms, smooth
+    )
 
 
 def _gaps(x: ca.MX, u: ca.MX, start: ca.MX, step: float) -> ca.MX:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lexstack.errors import InputError
-from lexstack.mpc import HtmpcConfig, Kind, Objective, Surroundings, Task
+from lexstack.mpc import CollisionScene, HtmpcConfig, Kind, Objective, Task
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htmpc_casadi import Symbols, program
@@ -68,7 +68,7 @@ class HtmpcOracle:
         objectives: tuple[Objective, ...],
         guess: Matrix,
         tolerance: float = 0.0,
-        around: Surroundings | None = None,
+        around: CollisionScene | None = None,
     ) -> tuple[OracleLevel, ...]:
         """Return all levels up to the first that does not converge.
 
@@ -172,7 +172,7 @@ class HtmpcOracle:
     def _solver(self, level: int) -> ca.Function:
         """Return IPOPT's program of one level."""
         symbols = self._symbols
-        cost = symbols.costs[level] + symbols.upkeep
+        cost = symbols.costs[level] + symbols.shared_cost
         guarded = [self._guarded(i) for i in range(level)]
         n = self._robot.n
         hard = []
@@ -198,8 +198,8 @@ class HtmpcOracle:
         raise InputError("oracle: lexicographic: only 'axis' and 'sum' are written here")
 
     def _evaluation(self) -> ca.Function:
-        """Return a function for all errors, all costs and the upkeep."""
+        """Return a function for all errors, all costs and the shared_cost."""
         symbols = self._symbols
-        outputs = self._condensed(*symbols.errors, *symbols.costs, symbols.upkeep)
+        outputs = self._condensed(*symbols.errors, *symbols.costs, symbols.shared_cost)
         inputs = [symbols.u, symbols.start, symbols.obstacles, *symbols.references]
         return ca.Function("evaluate", inputs, outputs)

@@ -15,7 +15,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from lexstack.mpc import Horizon, HtmpcConfig, Kind, Objective, Surroundings
+from lexstack.mpc import CollisionScene, Horizon, HtmpcConfig, Kind, Objective
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
 from lexstack_experiments.baselines.htmpc_casadi import Symbols, curvature, program, weights_of
@@ -69,7 +69,7 @@ class PaperHtmpc:
             for outputs in _quadratics(config, kinds, symbols, unknowns)
         ]
         self._costs = [
-            ca.Function("cost", inputs, [task + symbols.upkeep]) for task in symbols.costs
+            ca.Function("cost", inputs, [task + symbols.shared_cost]) for task in symbols.costs
         ]
         errors = [ca.vec(error) for error in symbols.errors]
         self._errors = [ca.Function("error", inputs, [error]) for error in errors]
@@ -86,7 +86,7 @@ class PaperHtmpc:
         start: tuple[Vector, Vector, Vector],
         objectives: tuple[Objective, ...],
         guess: Matrix,
-        around: Surroundings | None = None,
+        around: CollisionScene | None = None,
     ) -> tuple[Matrix, float]:
         """Return the inputs (N, n) and the wall time [s] of one solve of all levels.
 
@@ -242,14 +242,14 @@ def _stacked(symbols: Symbols) -> tuple[ca.MX, Symbols]:
             *symbols.errors,
             *symbols.costs,
             symbols.gaps,
-            symbols.upkeep,
+            symbols.shared_cost,
             symbols.rooms,
             symbols.smooth,
         ],
         [symbols.x, symbols.u],
         [x, u],
     )
-    gaps, upkeep, rooms, smooth = written[2 * count :]
+    gaps, shared_cost, rooms, smooth = written[2 * count :]
     return unknowns, replace(
         symbols,
         x=x,
@@ -257,7 +257,7 @@ def _stacked(symbols: Symbols) -> tuple[ca.MX, Symbols]:
         errors=tuple(written[:count]),
         costs=tuple(written[count : 2 * count]),
         gaps=gaps,
-        upkeep=upkeep,
+        shared_cost=shared_cost,
         rooms=rooms,
         smooth=smooth,
     )
@@ -275,6 +275,6 @@ def _quadratics(
     for kind, task, error in zip(kinds, symbols.costs, symbols.errors, strict=True):
         jacobian = ca.jacobian(ca.vec(error), unknowns)
         weights = ca.diag(ca.DM(weights_of(config, kind).T.ravel()))
-        slope = ca.gradient(task + symbols.upkeep, unknowns)
+        slope = ca.gradient(task + symbols.shared_cost, unknowns)
         quadratics.append([shared + jacobian.T @ weights @ jacobian, slope])
     return quadratics

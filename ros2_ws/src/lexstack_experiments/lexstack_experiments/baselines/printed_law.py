@@ -20,7 +20,7 @@ as velocity and acceleration limits allow."""
 
 
 class PrintedLaw:
-    """A law for robot A's box that can be empty; see ``in_force.BoxLaw``.
+    """A law for robot A's box that can be empty; see ``in_force.BoundsProvider``.
 
     Attributes:
         dt: control period [s].

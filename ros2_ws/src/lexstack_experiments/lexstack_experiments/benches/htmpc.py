@@ -22,7 +22,7 @@ import casadi as ca
 import numpy as np
 
 from lexstack.errors import ModelError
-from lexstack.mpc import Htmpc, Plan, Start, Surroundings, hold, steps
+from lexstack.mpc import CollisionScene, Htmpc, Plan, Start, hold, steps
 from lexstack.robots import RobotModel
 from lexstack.types import Vector
 from lexstack_config.resolved import load_htmpc, load_robot
@@ -278,12 +278,12 @@ def tracks_of(robot: RobotModel, options: Options) -> tuple[Track, Track]:
     return Track("ee_position", hold(tool)), Track("base_position", wave)
 
 
-def _around(times: Vector) -> Surroundings:
+def _around(times: Vector) -> CollisionScene:
     """Return five obstacles that go around the robot, at times of shape (N,) [s]."""
     angles = 2.0 * np.pi * np.arange(OBSTACLES) / OBSTACLES + 0.1 * times[:, None]
     heights = np.broadcast_to(np.linspace(0.3, 1.3, OBSTACLES), angles.shape)
     centers = np.stack((2.2 * np.cos(angles), 2.2 * np.sin(angles), heights), axis=2)
-    return Surroundings(centers, np.full(OBSTACLES, _RADIUS))
+    return CollisionScene(centers, np.full(OBSTACLES, _RADIUS))
 
 
 def _chosen(robot: RobotModel) -> tuple[int, ...]:

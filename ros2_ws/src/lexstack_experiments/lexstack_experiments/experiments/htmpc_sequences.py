@@ -12,7 +12,7 @@ from lexstack.mpc import (
     ST_ARCH,
     Architecture,
     Htmpc,
-    Present,
+    RobotPose,
     SequenceTask,
 )
 from lexstack.mpc import Sequence as TaskSequence
@@ -22,7 +22,7 @@ from lexstack_experiments.baselines.htloop import Record, carry_out
 ARCHITECTURES: dict[str, Architecture] = {"HT-Arch": HT_ARCH, "ST-Arch": ST_ARCH}
 """Two tasks at a time with the whole robot, and one at a time with arm and base apart."""
 
-Event = Callable[[TaskSequence, Present], TaskSequence]
+Event = Callable[[TaskSequence, RobotPose], TaskSequence]
 """What happens to a sequence at a state, before that state counts."""
 
 
@@ -82,7 +82,7 @@ def travel(
 ) -> Trip:
     """Carry out a sequence from rest at home, (n,), for at most ``longest`` seconds."""
     robot = optimiser.robot
-    begin = TaskSequence.begin(tasks, architecture, Present.of(robot, 0.0, home))
+    begin = TaskSequence.begin(tasks, architecture, RobotPose.of(robot, 0.0, home))
     record, done = carry_out(optimiser, home, begin, longest, event=event)
     tool = np.array([robot.tool(q)[0].position for q in record.q])
     return Trip(record, {name: time for time, name in done}, tool, len(done) == len(tasks))

@@ -17,7 +17,7 @@ from typing import Literal
 
 import numpy as np
 
-from lexstack.mpc import HT_ARCH, Htmpc, HtmpcConfig, Present, SequenceTask
+from lexstack.mpc import HT_ARCH, Htmpc, HtmpcConfig, RobotPose, SequenceTask
 from lexstack.mpc import Sequence as TaskSequence
 from lexstack.types import Vector
 from lexstack_config.resolved import load_htmpc
@@ -79,7 +79,7 @@ class Case:
         """What happens to the sequence, once each."""
         told: set[str] = set()
 
-        def event(sequence: TaskSequence, present: Present) -> TaskSequence:
+        def event(sequence: TaskSequence, present: RobotPose) -> TaskSequence:
             if self.change is not None and present.stamp >= self.change and "change" not in told:
                 told.add("change")
                 sequence = self._changed(sequence, present)
@@ -100,7 +100,7 @@ class Case:
         """Where the tool is to be at the end, shape (3,), m."""
         return np.array(_NEXT) + (self.moved if self.kind == "next moves" else 0.0)
 
-    def _changed(self, sequence: TaskSequence, present: Present) -> TaskSequence:
+    def _changed(self, sequence: TaskSequence, present: RobotPose) -> TaskSequence:
         """Return the sequence after what moves has moved."""
         if self.kind == "jump":
             return sequence.retarget("give", (tuple(self.place),), present)

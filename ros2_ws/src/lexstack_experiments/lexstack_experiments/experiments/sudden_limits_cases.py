@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from lexstack.limits import BoxLaw, LimitOptions, LimitsInForce
+from lexstack.limits import BoundsProvider, LimitOptions, LimitsInForce
 from lexstack.tasks import JointLimitConfig
 from lexstack_config.parts import Parts
 from lexstack_config.resolved import ResolvedScenario
@@ -49,7 +49,7 @@ class Law:
     """One way to keep limits, named; ``make`` takes the parts and the duration of a blend [s]."""
 
     name: str
-    make: Callable[[Parts, float], BoxLaw]
+    make: Callable[[Parts, float], BoundsProvider]
 
 
 def cases(config: Path, seed: int) -> list[Case]:

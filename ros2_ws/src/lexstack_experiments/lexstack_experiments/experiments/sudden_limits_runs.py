@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.limits import Bounds, BoxLaw, JointLimits, Motion
+from lexstack.limits import Bounds, BoundsProvider, JointLimits, Motion
 from lexstack.types import Matrix, RobotState, Vector
 from lexstack_config.parts import Parts, build_controller
 from lexstack_experiments.baselines.printed_law import PrintedLaw
@@ -52,7 +52,7 @@ class Watched:
         limits: in force, by tick.
     """
 
-    def __init__(self, law: BoxLaw) -> None:
+    def __init__(self, law: BoundsProvider) -> None:
         """Watch ``law``."""
         self.law = law
         self.limits: list[JointLimits] = []

@@ -41,7 +41,7 @@ class DaqpBackend:
         sides = _solve(qp, guess, qp.proximal, iterations)
         return _solve(qp, guess, _SECOND_PROXIMAL, iterations) if isinstance(sides, str) else sides
 
-    def foresee(
+    def predict_active_set(
         self, hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Signs
     ) -> Signs | None:
         """Return the active set of the hierarchy with weights."""

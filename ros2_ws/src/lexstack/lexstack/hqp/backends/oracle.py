@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from lexstack.hqp.hierarchy import Hierarchy
-from lexstack.hqp.preconditions import starting_point, touched
+from lexstack.hqp.preconditions import active_bounds, starting_point
 from lexstack.hqp.problem import HqpProblem, Solution, Status, called
 from lexstack.limits.joint_limits import Bounds
 from lexstack.types import LinearTask, Matrix, Vector
@@ -77,7 +77,7 @@ class OracleSolver:
                         break
                     chi = np.minimum(np.maximum(level.chi, lower), upper)
             slacks = hierarchy.slacks(hierarchy.residual(chi))
-        active = touched(chi, problem.bounds)
+        active = active_bounds(chi, problem.bounds)
         for array in (chi, slacks, active):
             array.setflags(write=False)
         status = Status.FAILED if reason else Status.SOLVED

@@ -49,7 +49,7 @@ class ProxqpBackend:
                 return sides
         return str(results.info.status.name)
 
-    def foresee(
+    def predict_active_set(
         self,
         hierarchy: Hierarchy,
         lower: Vector,

@@ -41,7 +41,7 @@ class QuadprogBackend:
             return sides
         return word
 
-    def foresee(
+    def predict_active_set(
         self, hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: Signs
     ) -> Signs | None:
         """Foresee nothing: it does not solve programs whose weights span twelve decades."""

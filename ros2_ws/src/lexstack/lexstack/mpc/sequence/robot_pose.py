@@ -14,7 +14,7 @@ from lexstack.types import Vector
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Present:
+class RobotPose:
     """A robot at one time.
 
     Attributes:
@@ -28,7 +28,7 @@ class Present:
     tool: Pose
 
     @classmethod
-    def of(cls, robot: RobotModel, stamp: float, q: Vector) -> Present:
+    def of(cls, robot: RobotModel, stamp: float, q: Vector) -> RobotPose:
         """Return where a robot is at the measured q, shape (n,)."""
         return cls(stamp, np.array(q[:3]), robot.tool(q)[0])
 

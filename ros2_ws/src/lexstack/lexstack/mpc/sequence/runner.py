@@ -8,12 +8,12 @@ from typing import Literal
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.mpc.collision_cost import Surroundings
+from lexstack.mpc.collision_cost import CollisionScene
 from lexstack.mpc.htmpc import Htmpc, Start
 from lexstack.mpc.options import HtmpcConfig
 from lexstack.mpc.plan import Plan
 from lexstack.mpc.sequence.options import SequenceConfig
-from lexstack.mpc.sequence.robot_pose import Present
+from lexstack.mpc.sequence.robot_pose import RobotPose
 from lexstack.mpc.sequence.sequence import HT_ARCH, ST_ARCH, Architecture, Sequence
 from lexstack.mpc.sequence.task import Point, SequenceTask
 from lexstack.robots import Team
@@ -89,9 +89,9 @@ class SequenceRunner:
         self._blend = blend
         self._follows = 0.0  # s, the time from which on robot A follows exactly
 
-    def present(self, state: RobotState) -> Present:
+    def present(self, state: RobotState) -> RobotPose:
         """Return where the robot is."""
-        return Present.of(self._model, state.stamp, state.q[self._part])
+        return RobotPose.of(self._model, state.stamp, state.q[self._part])
 
     def begin(
         self, tasks: tuple[SequenceTask, ...], architecture: Architecture, state: RobotState
@@ -172,7 +172,7 @@ class SequenceRunner:
             return state.command[self._part]
         return before.sample(state.stamp)[1]
 
-    def _surroundings(self, state: RobotState, times: Vector) -> Surroundings | None:
+    def _surroundings(self, state: RobotState, times: Vector) -> CollisionScene | None:
         """Return obstacles where they will be, and the other robots' spheres where they are."""
         obstacles = self._team.obstacles
         spheres = self._team.spheres(state.q) if self._others else None
@@ -180,11 +180,11 @@ class SequenceRunner:
         if not len(obstacles) and not theirs.any():
             return None
         centers = np.array([obstacles.at(float(time)) for time in times])
-        found = Surroundings(centers.reshape(len(times), -1, 3), obstacles.radii)
+        found = CollisionScene(centers.reshape(len(times), -1, 3), obstacles.radii)
         if spheres is None or not theirs.any():
             return found
         still = np.broadcast_to(spheres.centers[theirs], (len(times), int(theirs.sum()), 3))
-        return found.joined(Surroundings(still, spheres.radii[theirs]))
+        return found.joined(CollisionScene(still, spheres.radii[theirs]))
 
 
 def tasks_of(config: SequenceConfig) -> tuple[SequenceTask, ...]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.mpc.sequence.robot_pose import Present
+from lexstack.mpc.sequence.robot_pose import RobotPose
 from lexstack.mpc.sequence.task import Point, SequenceTask
 from lexstack.mpc.sequence.trajectory import Trajectory
 from lexstack.mpc.tracking_objectives import Moves, Objective
@@ -55,7 +55,7 @@ class Sequence:
 
     @classmethod
     def begin(
-        cls, tasks: tuple[SequenceTask, ...], architecture: Architecture, present: Present
+        cls, tasks: tuple[SequenceTask, ...], architecture: Architecture, present: RobotPose
     ) -> Sequence:
         """Return the sequence at its start; raises InputError for no tasks or equal names."""
         check_tasks(tasks)
@@ -72,12 +72,12 @@ class Sequence:
         first = min(self.first, len(self.tasks) - 1)
         return self.tasks[first : first + self.architecture.levels]
 
-    def errors(self, present: Present) -> tuple[float, float]:
+    def errors(self, present: RobotPose) -> tuple[float, float]:
         """Return distance [m] and angle [rad] from the goal of the first task in the window."""
         task = self.window[0]
         return present.errors(task.kind, np.array(task.points[-1]))
 
-    def advanced(self, present: Present) -> Sequence:
+    def advanced(self, present: RobotPose) -> Sequence:
         """Return the sequence after time has gone on; at most one task gets done at a time."""
         if self.done:
             return self
@@ -98,7 +98,7 @@ class Sequence:
         self._place(name)
         return replace(self, released=self.released | {name})
 
-    def retarget(self, name: str, points: tuple[Point, ...], present: Present) -> Sequence:
+    def retarget(self, name: str, points: tuple[Point, ...], present: RobotPose) -> Sequence:
         """Return the sequence with a task's points moved; planned anew if it is in the window."""
         place = self._place(name)
         if place < self.first:
@@ -114,7 +114,7 @@ class Sequence:
         within = None if inside == 0 else self.within
         return replace(result, trajectories=tuple(trajectories), within=within)
 
-    def insert(self, place: int, task: SequenceTask, present: Present) -> Sequence:
+    def insert(self, place: int, task: SequenceTask, present: RobotPose) -> Sequence:
         """Return the sequence with one more task before the one at ``place`` (not yet done)."""
         if not self.first <= place <= len(self.tasks):
             raise InputError(
@@ -125,7 +125,7 @@ class Sequence:
         check_tasks(tasks)
         return _changed(replace(self, tasks=tasks), place, present)
 
-    def cancel(self, name: str, present: Present) -> Sequence:
+    def cancel(self, name: str, present: RobotPose) -> Sequence:
         """Return the sequence without a task that is not done.
 
         Raises:
@@ -152,7 +152,7 @@ class Sequence:
             return "all"
         return "base" if task.kind.startswith("base") else "arm"
 
-    def replanned(self, present: Present) -> Sequence:
+    def replanned(self, present: RobotPose) -> Sequence:
         """Return the sequence with all trajectories of its window from the present pose."""
         return replace(self, trajectories=tuple(task.planned(present) for task in self.window))
 
@@ -165,7 +165,7 @@ class Sequence:
         raise InputError(f"sequence: unknown task {name!r}; known: {known}")
 
 
-def _changed(sequence: Sequence, place: int, present: Present) -> Sequence:
+def _changed(sequence: Sequence, place: int, present: RobotPose) -> Sequence:
     """Return a sequence after a change at a place, planned anew if its window shows it."""
     if place >= sequence.first + sequence.architecture.levels:
         return sequence

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.mpc.sequence.robot_pose import Present
+from lexstack.mpc.sequence.robot_pose import RobotPose
 from lexstack.mpc.sequence.trajectory import Trajectory, base_path, ee_path, hold
 from lexstack.mpc.tracking_objectives import MEASURES, Kind
 
@@ -60,7 +60,7 @@ class SequenceTask:
         if not 0.0 <= self.dwell < np.inf:
             raise InputError(f"{where}: dwell: must be finite and >= 0, got {self.dwell}")
 
-    def planned(self, present: Present) -> Trajectory:
+    def planned(self, present: RobotPose) -> Trajectory:
         """Return its trajectory from the present pose."""
         if self.speed is None:
             return hold(np.array(self.points[-1]))

@@ -13,13 +13,13 @@ from lexstack.tasks.stack import Stack, joined
 from lexstack.transition.blend import Blend
 from lexstack.transition.bridge import goes_on
 from lexstack.transition.channel_problem import Means, Plan
-from lexstack.transition.gap_motion import Carry
+from lexstack.transition.gap_motion import GapMotion
 from lexstack.transition.held_back import at_velocity_limit, held_back
-from lexstack.transition.latch_state import HURRY, Past
+from lexstack.transition.latch_state import HURRY, LatchState
 from lexstack.transition.messages import Source
 from lexstack.transition.methods import BRIDGES
 from lexstack.transition.relatch import LOSSES, level_jumps
-from lexstack.transition.robot_group import Part
+from lexstack.transition.robot_group import RobotGroup
 from lexstack.transition.sources.inbox import Choice, Moment, Sources
 from lexstack.types import LinearTask, Vector
 
@@ -43,7 +43,7 @@ class Channel:
         aborted: why the last transition was given up, to be told once.
     """
 
-    part: Part
+    part: RobotGroup
     adopted: tuple[Stack, ...]
     origin: str
     id: int = 0
@@ -62,7 +62,7 @@ class Channel:
         """The method of the transition under way, '' without one."""
         return "" if self.blend is None else self.blend.request.method
 
-    def of(self, part: Part) -> Channel:
+    def of(self, part: RobotGroup) -> Channel:
         """Return the channel of some of its robots; whatever is under way goes on."""
         if part.robots == self.part.robots:
             return self
@@ -148,7 +148,7 @@ class Channel:
             tally = tally.seen() if jumps else tally
         past = past_of((self,), level, blend.request.duration, moment, means)
         if choice.source is Source.HTMPC and self._begins_here(chi, moment, means):
-            past = Past(chi, past.level_goes_on, None)
+            past = LatchState(chi, past.level_goes_on, None)
         latched = Blend.latched(blend.way, (choice.source, chi), level, past, moment)
         # Who goes on as before is taken to move as before, until that is known; but not for ever.
         drift = blend.drift if choice.source is blend.source and not past.recent else None
@@ -217,7 +217,7 @@ def past_of(
     duration: float,
     moment: Moment,
     means: Means,
-) -> Past:
+) -> LatchState:
     """Return it for robots that were on one channel or on several.
 
     A stack that A serves alone gives its optimum of this tick: the motion then goes on as it
@@ -238,7 +238,7 @@ def past_of(
     same = goes_on(level, old, means.reach)
     references = moment.references if same else moment.before
     start = kinematics.state.command.copy()
-    carry: Carry | None = None
+    carry: GapMotion | None = None
     recent = 0
     for channel in channels:
         columns = channel.part.columns
@@ -253,9 +253,9 @@ def past_of(
         step, left = channel.blend.left(moment.tick, duration, means)
         start[columns] += step[columns]
         if left is not None:
-            carry = carry or Carry.none(start.size, duration)
+            carry = carry or GapMotion.none(start.size, duration)
             carry = carry.with_part(columns, left)
-    return Past(start, same, carry, recent)
+    return LatchState(start, same, carry, recent)
 
 
 def _at_end(blend: Blend, own: Vector, tick: int, means: Means) -> tuple[Blend, str]:

@@ -12,8 +12,8 @@ from lexstack.transition.channels.channel import Channel, past_of
 from lexstack.transition.channels.lineup import PartOf
 from lexstack.transition.relatch import Tally
 from lexstack.transition.requests import SwitchRequest
-from lexstack.transition.robot_group import Part
-from lexstack.transition.route import Way
+from lexstack.transition.robot_group import RobotGroup
+from lexstack.transition.route import Route
 from lexstack.transition.sources.inbox import Choice, Moment
 from lexstack.types import Vector
 
@@ -21,7 +21,7 @@ from lexstack.types import Vector
 def begun(
     channels: Sequence[Channel],
     request: SwitchRequest,
-    goal: tuple[Part, Stack, bool],
+    goal: tuple[RobotGroup, Stack, bool],
     source: tuple[Choice, Vector],
     moment: Moment,
     means: Means,
@@ -39,7 +39,7 @@ def begun(
     (part, target, whole), (choice, chi) = goal, source
     level = target.first(moment.kinematics, moment.references)
     past = past_of(channels, level, request.duration, moment, means)
-    way = Way(request, part, joined([c.target for c in channels], part.team), target, whole)
+    way = Route(request, part, joined([c.target for c in channels], part.team), target, whole)
     blend = Blend.latched(way, (choice.source, chi), level, past, moment)
     blend = replace(blend, tally=Tally().at(moment, choice))
     gone = dict.fromkeys(c.blend.request.id for c in channels if c.blend is not None)

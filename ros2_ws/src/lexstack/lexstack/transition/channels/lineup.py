@@ -8,9 +8,9 @@ from lexstack.references import References
 from lexstack.tasks.stack import Stack
 from lexstack.transition.channels.channel import Channel
 from lexstack.transition.requests import SwitchRequest
-from lexstack.transition.robot_group import Part
+from lexstack.transition.robot_group import RobotGroup
 
-PartOf = Callable[[Iterable[int]], Part]
+PartOf = Callable[[Iterable[int]], RobotGroup]
 """Makes the part of some robots, by their places."""
 
 
@@ -35,7 +35,7 @@ def as_asked(
     return found
 
 
-def coupling(channels: Iterable[Channel], part: Part) -> str:
+def coupling(channels: Iterable[Channel], part: RobotGroup) -> str:
     """Return which task couples robots of a part with others of their channel, in words, or ''."""
     for channel in channels:
         task = channel.target.coupling(part.robots)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from lexstack.hqp import HqpProblem
 from lexstack.limits.joint_limits import Bounds
 from lexstack.transition.bridge import Bridge
-from lexstack.transition.robot_group import Part
+from lexstack.transition.robot_group import RobotGroup
 from lexstack.types import LinearTask, Vector
 
 Levels = tuple[tuple[LinearTask, ...], ...]
@@ -30,7 +30,7 @@ class View:
         solve: the optimum of a further problem, shape (n,).
     """
 
-    part: Part
+    part: RobotGroup
     first: tuple[LinearTask, ...]
     source: Vector
     bounds: Bounds

@@ -16,7 +16,7 @@ from lexstack.transition.channel_problem import Means
 from lexstack.transition.messages import Source, SourceSample
 from lexstack.transition.options import TransitionOptions
 from lexstack.transition.sources.newest_chi import Inbox
-from lexstack.transition.sources.residual_check import Rows, Witness
+from lexstack.transition.sources.residual_check import ResidualCheck, Rows
 from lexstack.types import Vector
 
 _EVIDENCE = 10  # chi in a row that miss level 1, in realtime
@@ -93,7 +93,7 @@ class Sources:
         self._patience = 0 if lockstep else options.patience
         self.stale = 0 if lockstep else options.stale
         """The most ticks by which B's chi may be late."""
-        self._witness = Witness(self.stale, 1 if lockstep else _EVIDENCE)
+        self._witness = ResidualCheck(self.stale, 1 if lockstep else _EVIDENCE)
 
     def hear(self, sample: SourceSample) -> None:
         """Take a chi of robot B; the newest by its tick counts, whenever it arrives."""

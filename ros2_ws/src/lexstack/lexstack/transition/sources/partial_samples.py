@@ -12,7 +12,7 @@ from lexstack.robots import Team
 from lexstack.transition.messages import SourceSample
 
 
-class Joiner:
+class PartialSampleMerger:
     """Keeps parts until, of one tick and transition, all robots of the stack are there."""
 
     def __init__(self, team: Team) -> None:

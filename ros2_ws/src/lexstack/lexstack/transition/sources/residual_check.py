@@ -25,7 +25,7 @@ class _Seen:
     miss: float = 0.0  # of the last one
 
 
-class Witness:
+class ResidualCheck:
     """Compares what a chi leaves of level 1 with what its source says of it.
 
     A and its source linearise level 1 at the same state: the same norm must come out, unless the
