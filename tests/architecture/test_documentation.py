@@ -40,7 +40,7 @@ RUN_FILES = {
     "scenario.yaml",
 }
 # What the set-up makes.
-MADE = {".venv/environment.sh", "ros2_ws/install/setup.bash"}
+MADE = {".venv/environment.sh", "build/site", "ros2_ws/install/setup.bash"}
 FILE = re.compile(r"[\w.*/-]+\.(?:cff|css|js|json|lock|mcap|md|msg|py|sh|srv|toml|txt|xml|ya?ml)")
 
 # Each pattern has a class of one letter, so that this file does not hold what it looks for.
