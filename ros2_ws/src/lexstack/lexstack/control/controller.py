@@ -23,10 +23,10 @@ from lexstack.limits.viable_bounds import target_bounds
 from lexstack.references import ReferenceSchedule, measured
 from lexstack.robots import Kinematics, Team
 from lexstack.transition.auxiliary import Auxiliary
-from lexstack.transition.channel_problem import Means
 from lexstack.transition.manager import Transition
 from lexstack.transition.messages import TransitionState
 from lexstack.transition.status_report import with_singularity
+from lexstack.transition.tick_context import TickContext
 from lexstack.types import RobotState, Vector
 
 _TOUCH = 1e-9  # m/s, rad/s: nearer than this chi is at its bound
@@ -120,16 +120,19 @@ class Controller:
         auxiliary = Auxiliary(
             lambda problem: self._solve(problem, kinematics, limits, None), state.command, bounds
         )
-        means = Means(
+        context = TickContext(
+            kinematics,
+            references,
+            references,
             bounds,
             self._bounds or bounds,
-            free=lambda: target_bounds(state.q_star, wanted, self._box.dt),
+            free_bounds=lambda: target_bounds(state.q_star, wanted, self._box.dt),
             solve=auxiliary.solve,
             limits=limits,
             dt=self._box.dt,
             held=auxiliary.held,
         )
-        plans = self.transition.step(due, kinematics, references, means)
+        plans = self.transition.step(due, context)
         bounds = self._bounds = plans.problem.bounds
         solution = self._solve(plans.problem, kinematics, limits, self._warm)
         chi, fallback = checked(solution, bounds)

@@ -9,7 +9,6 @@ import numpy as np
 
 from lexstack.hqp import HqpProblem
 from lexstack.transition.bridge import Bridge, latch
-from lexstack.transition.channel_problem import Means
 from lexstack.transition.gap_motion import GapMotion
 from lexstack.transition.latch_state import LatchState
 from lexstack.transition.messages import Source
@@ -19,7 +18,7 @@ from lexstack.transition.relatch import Tally
 from lexstack.transition.requests import SwitchRequest
 from lexstack.transition.robot_group import RobotGroup
 from lexstack.transition.route import Route
-from lexstack.transition.sources.inbox import Moment
+from lexstack.transition.tick_context import TickContext
 from lexstack.transition.time_optimal import Progress, advanced
 from lexstack.types import LinearTask, Vector
 
@@ -81,7 +80,7 @@ class Blend:
         source: tuple[Source, Vector],
         level: tuple[LinearTask, ...],
         past: LatchState,
-        moment: Moment,
+        context: TickContext,
     ) -> Blend:
         """Return a blend that starts at this tick: delta and epsilon latched, alpha at 0.
 
@@ -90,18 +89,18 @@ class Blend:
             source: whom to follow, and its chi of this tick, shape (n,).
             level: level 1 of the target at this tick.
             past: what A was about to do.
-            moment: this tick.
+            context: of this tick.
         """
         bridge = latch(past.start, source[1], level, past.level_goes_on)
         if past.carry is not None and past.carry.older:
             # A slip goes on to fade in its own time; delta is what is left of the gap.
             fading = past.carry.at(0.0)
             bridge = replace(bridge, delta=bridge.delta - fading, carried=fading)
-        step = past.start - moment.kinematics.state.command
+        step = past.start - context.kinematics.state.command
         return cls(
             way,
             source[0],
-            moment.tick,
+            context.tick,
             way.request.duration,
             bridge,
             source[1],
@@ -110,7 +109,7 @@ class Blend:
             recent=past.recent,
         )
 
-    def taken_over(self, own: Vector, tick: int, means: Means) -> Blend:
+    def taken_over(self, own: Vector, tick: int, context: TickContext) -> Blend:
         """Return the blend from B's chi of this tick on to A's own optimum of it, shape (n,).
 
         Where B's chi is late or frozen, adopting the stack at once would make the command jump by
@@ -124,7 +123,7 @@ class Blend:
             self.way,
             Source.LOCAL,
             tick,
-            self._unfelt(gap, means),
+            self._unfelt(gap, context),
             Bridge(gap, None),
             own,
             step,
@@ -132,12 +131,12 @@ class Blend:
             tally=self.tally,
         )
 
-    def _unfelt(self, gap: Vector, means: Means) -> float:
+    def _unfelt(self, gap: Vector, context: TickContext) -> float:
         """Return in which time [s] a gap (n,) fades with ``_LITTLE`` acceleration and jerk.
 
         The quintic's first and second derivative are at most 1.875 / T and 5.774 / T^2.
         """
-        mine, limits = self.way.part.columns, means.limits
+        mine, limits = self.way.part.columns, context.limits
         size = np.abs(gap[mine])
         by_rate = 1.875 * float((size / limits.acceleration[mine]).max()) / _LITTLE[0]
         by_jerk = math.sqrt(5.774 * float((size / limits.jerk[mine]).max()) / _LITTLE[1])
@@ -153,28 +152,30 @@ class Blend:
             epsilon = tuple(gap for gap, mine in zip(epsilon, kept, strict=True) if mine)
         return replace(self, way=way, bridge=replace(self.bridge, epsilon=epsilon))
 
-    def advanced(self, chi: Vector, tick: int, means: Means, *, unsteady: bool = False) -> Blend:
+    def advanced(
+        self, chi: Vector, tick: int, context: TickContext, *, unsteady: bool = False
+    ) -> Blend:
         """Return the blend at a tick, given the source's chi (n,) for it.
 
         ``unsteady``: that chi may have moved by a new reference, which is no motion to go on with.
         """
         if tick == self.start:
             return replace(self, source_chi=chi)
-        drift, elapsed = chi - self.source_chi, (tick - self.start) * means.dt
+        drift, elapsed = chi - self.source_chi, (tick - self.start) * context.dt
         if self.request.profile == "time_optimal":
-            mine, limits = self.way.part.columns, means.limits
+            mine, limits = self.way.part.columns, context.limits
             progress = advanced(
                 self.progress,
                 self.bridge.delta[mine],
-                drift[mine] / means.dt,
+                drift[mine] / context.dt,
                 (limits.acceleration[mine], limits.jerk[mine]),
-                means.dt,
+                context.dt,
             )
         else:
             progress = Progress(alpha(self.request.profile, elapsed, self.duration))
         carry, bridge = self.carry, self.bridge
         if tick == self.start + 1 and self.recent <= _PAIR and not unsteady:
-            carry = self._with_slip(drift, means)
+            carry = self._with_slip(drift, context)
         if carry is not None:
             bridge = replace(bridge, carried=carry.at(elapsed))
         known = self.drift if unsteady else drift
@@ -183,7 +184,7 @@ class Blend:
         rest = (self.alone, self.end, self.recent, self.tally)
         return Blend(*latched, carry, known, progress, *rest)
 
-    def jumps(self, chi: Vector, means: Means) -> bool:
+    def jumps(self, chi: Vector, context: TickContext) -> bool:
         """Return whether the source's chi (n,) moves by more than the joints follow in one tick.
 
         Beyond its motion of the tick before, where that is known. A plan is followed as it comes.
@@ -192,16 +193,18 @@ class Blend:
             return False
         mine, moved = self.way.part.columns, chi - self.source_chi
         jump = moved if self.drift is None else moved - self.drift
-        return bool((np.abs(jump[mine]) > means.reach[mine]).any())
+        return bool((np.abs(jump[mine]) > context.reach[mine]).any())
 
-    def over_at(self, tick: int, means: Means) -> bool:
+    def over_at(self, tick: int, context: TickContext) -> bool:
         """Return whether alpha is 1 at the next tick, if the source stays where it is."""
         if self.request.profile == "time_optimal":
-            return self.advanced(self.source_chi, tick, means).progress.alpha >= 1.0
-        elapsed = (tick - self.start) * means.dt
+            return self.advanced(self.source_chi, tick, context).progress.alpha >= 1.0
+        elapsed = (tick - self.start) * context.dt
         return alpha(self.request.profile, elapsed, self.duration) >= 1.0
 
-    def left(self, tick: int, duration: float, means: Means) -> tuple[Vector, GapMotion | None]:
+    def left(
+        self, tick: int, duration: float, context: TickContext
+    ) -> tuple[Vector, GapMotion | None]:
         """Return what this blend, given up at ``tick``, leaves to the next one of ``duration`` [s].
 
         Returns:
@@ -213,38 +216,35 @@ class Blend:
         step = np.zeros_like(self.step) if self.drift is None else self.drift
         carry = None
         if self.request.profile != "time_optimal":
-            times = tuple((tick + k - self.start) * means.dt for k in (-1, 0, 1))
+            times = tuple((tick + k - self.start) * context.dt for k in (-1, 0, 1))
             step = step + self._gap(times[1]) - self._gap(times[0])
             before, now, after = (self._lasting_gap(time) for time in times)
-            speed, bend = (after - before) / (2.0 * means.dt), (after - 2.0 * now + before)
+            speed, bend = (after - before) / (2.0 * context.dt), (after - 2.0 * now + before)
             older = () if self.carry is None else self.carry.fading(times[1])
-            carry = GapMotion(speed, bend / means.dt**2, duration, older=older)
-        reach = means.limits.acceleration * means.dt
+            carry = GapMotion(speed, bend / context.dt**2, duration, older=older)
+        reach = context.limits.acceleration * context.dt
         return np.minimum(np.maximum(step, -reach), reach), carry
 
-    def problem(self, level: tuple[LinearTask, ...], moment: Moment, means: Means) -> HqpProblem:
+    def problem(self, level: tuple[LinearTask, ...], context: TickContext) -> HqpProblem:
         """Return what the request's method asks for at this tick; ``level`` is the new level 1."""
-        state = (moment.kinematics, moment.references)
+        state = (context.kinematics, context.references)
         way = self.way
         view = View(
             way.part,
             level,
             self.source_chi,
-            means.bounds,
-            means.before,
-            new=lambda: self._new(moment),
+            new=lambda: self._new(context),
             old=lambda: way.origin.linearise(*state),
-            free=means.free,
-            solve=means.solve,
+            context=context,
         )
         return METHODS[self.request.method](view, self.bridge, self.progress.alpha)
 
-    def _new(self, moment: Moment) -> tuple[tuple[LinearTask, ...], ...]:
+    def _new(self, context: TickContext) -> tuple[tuple[LinearTask, ...], ...]:
         """Return all levels of the stack that A goes to; on a plan to follow that alone."""
         way = self.way
         if way.target.planned:
             return (way.part.follow(self.source_chi),)
-        return way.target.linearise(moment.kinematics, moment.references)
+        return way.target.linearise(context.kinematics, context.references)
 
     def _gap(self, elapsed: float) -> Vector:
         """Return the gap after ``elapsed`` seconds, shape (n,)."""
@@ -256,14 +256,16 @@ class Blend:
         gap = (1.0 - alpha(self.request.profile, elapsed, self.duration)) * self.bridge.delta
         return gap if self.carry is None else gap + self.carry.lasting(max(elapsed, 0.0))
 
-    def _with_slip(self, drift: Vector, means: Means) -> GapMotion | None:
+    def _with_slip(self, drift: Vector, context: TickContext) -> GapMotion | None:
         """Return the motion of the gap, now that the source's step from tick to tick is known."""
         if self.request.profile == "time_optimal":
             return None
-        slip = (self.step - drift) / means.dt
-        carry, limit = self.carry, means.limits.acceleration
+        slip = (self.step - drift) / context.dt
+        carry, limit = self.carry, context.limits.acceleration
         if carry is not None:
-            slip -= (carry.at(means.dt) - carry.at(0.0)) / means.dt if carry.older else carry.rate
+            slip -= (
+                (carry.at(context.dt) - carry.at(0.0)) / context.dt if carry.older else carry.rate
+            )
         # Joint by joint: what one robot feels is nothing to the others. What is far beyond all that
         # a joint can do is no acceleration, but a jump of the source.
         size = np.abs(slip)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lexstack.hqp import HqpProblem
-from lexstack.limits.joint_limits import Bounds, JointLimits
+from lexstack.limits.joint_limits import Bounds
 from lexstack.transition.robot_group import Columns
 from lexstack.types import Vector
 
@@ -65,32 +65,3 @@ class Plans:
                 upper[mine] = problem.bounds.upper[mine]
             box = Bounds(lower, upper)
         return cls(HqpProblem(tuple(level for level in levels if level), box), tuple(plans))
-
-
-@dataclass(frozen=True, slots=True)
-class Means:
-    """What the controller lends to a transition for one tick.
-
-    Attributes:
-        bounds: A's own box.
-        before: A's box of the tick before; that of this tick where there is none.
-        free: the box without acceleration limits, T(35).
-        solve: solves a further problem; its chi has shape (n,). Where that fails, ``held``.
-        limits: of the joints.
-        dt: control period [s].
-        held: returns what the robots did, within the box, shape (n,); to be used in place of a
-            solution that failed, for the reason given, which is told.
-    """
-
-    bounds: Bounds
-    before: Bounds
-    free: Callable[[], Bounds]
-    solve: Callable[[HqpProblem], Vector]
-    limits: JointLimits
-    dt: float
-    held: Callable[[str], Vector]
-
-    @property
-    def reach(self) -> Vector:
-        """How far each joint's velocity may change in one tick, shape (n,), m/s and rad/s."""
-        return 0.5 * (self.bounds.upper - self.bounds.lower)

@@ -7,10 +7,9 @@ from dataclasses import replace
 
 from lexstack.limits.joint_limits import JointLimits
 from lexstack.options import shown
-from lexstack.references import References
-from lexstack.robots import Kinematics, Team
+from lexstack.robots import Team
 from lexstack.tasks.stack import AT_REST, Stack
-from lexstack.transition.channel_problem import Means, Plans
+from lexstack.transition.channel_problem import Plans
 from lexstack.transition.channels.channel import Channel, asked_of
 from lexstack.transition.channels.gathering import begun, together
 from lexstack.transition.channels.lineup import as_asked, coupling, references_before, without
@@ -22,10 +21,11 @@ from lexstack.transition.requested_limits import RequestedLimits
 from lexstack.transition.requests import Answer, RequestBook, SwitchRequest, in_effect
 from lexstack.transition.robot_group import RobotGroup
 from lexstack.transition.sources.announcements import Announcer, Wanted
-from lexstack.transition.sources.inbox import Choice, LocalSource, Moment, Sources
+from lexstack.transition.sources.inbox import Choice, LocalSource, Sources
 from lexstack.transition.sources.mpc_plans import HeardPlan, PlanBook
 from lexstack.transition.sources.partial_samples import PartialSampleMerger
 from lexstack.transition.status_report import transition_state
+from lexstack.transition.tick_context import TickContext
 from lexstack.types import Vector
 
 
@@ -264,17 +264,15 @@ class Transition:
             [(part.columns, stack.limits, method in JERK_LIMITED) for part, stack, method in ways]
         )
 
-    def step(self, due: Due, kinematics: Kinematics, references: References, means: Means) -> Plans:
-        """Return what A solves at this tick, with what the controller lends.
+    def step(self, due: Due, context: TickContext) -> Plans:
+        """Return what the controller solves at this tick.
 
         While the source's first solution for a new stack is awaited, its robots go on with what
         they did, with the references of before: they change together with the stack.
 
         Args:
             due: of this tick.
-            kinematics: of this tick.
-            references: in effect at it.
-            means: what the controller lends.
+            context: of this tick.
         """
         self._tick = due.tick
         if due.asked:
@@ -283,14 +281,14 @@ class Transition:
             for request, coupled in due.dropped:
                 self._drop(request, coupled)
             for request, first in due.starting:
-                self._begin(request, first, kinematics, references, means)
+                self._begin(request, first, context)
         held = {robot for request in due.waiting for robot in request.robots}
         channels, plans = [], []
         for channel in self._channels:
-            before = channel.used or references
-            now = before if held and held.intersection(channel.part.robots) else references
-            moment = Moment(kinematics, now, before)
-            after, plan = channel.step(moment, means, self._sources, adopts=self._adopts)
+            before = channel.used or context.references
+            now = before if held and held.intersection(channel.part.robots) else context.references
+            mine = context.between(before, now)
+            after, plan = channel.step(mine, self._sources, adopts=self._adopts)
             channels.append(after)
             plans.append(plan)
         self._channels = tuple(channels)
@@ -338,26 +336,19 @@ class Transition:
             for each in self._channels
         )
 
-    def _begin(
-        self,
-        request: SwitchRequest,
-        first: Choice,
-        kinematics: Kinematics,
-        references: References,
-        means: Means,
-    ) -> None:
+    def _begin(self, request: SwitchRequest, first: Choice, context: TickContext) -> None:
         """Take a request's robots out of their channels, on to their way."""
         part = self._part(request.robots)
         touched = [each for each in self._channels if part.shares(each.part)]
         inside = [each.of(self._part(set(each.part.robots) & set(part.robots))) for each in touched]
         target = self._stacks[request.stack].of(part.robots)
-        before = references_before(inside, references)
-        moment = Moment(kinematics, references, before)
+        references = context.references
+        context = context.between(references_before(inside, references), references)
         whole = target is self._stacks[request.stack]
-        level = target.first(kinematics, references) if whole else ()
-        choice = self._sources.checked(first, moment, level)
-        chi = self._sources.chi(choice, target, moment, means)
-        channel = begun(inside, request, (part, target, whole), (choice, chi), moment, means)
+        level = target.first(context.kinematics, references) if whole else ()
+        choice = self._sources.checked(first, context, level)
+        chi = self._sources.chi(choice, target, context)
+        channel = begun(inside, request, (part, target, whole), (choice, chi), context)
         others = without(self._channels, part.robots, self._part)
         self._channels = tuple(sorted([*others, channel], key=lambda each: each.part.robots))
 

@@ -11,10 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from lexstack.transition.bridge import follows_within
-from lexstack.transition.channel_problem import Means
 from lexstack.transition.messages import Source
 from lexstack.transition.route import Route
-from lexstack.transition.sources.inbox import Choice, Moment
+from lexstack.transition.sources.inbox import Choice
+from lexstack.transition.tick_context import TickContext
 from lexstack.types import LinearTask
 
 LOSSES = 3  # of robot B in one blend; from the last one on A does without it
@@ -47,9 +47,9 @@ class Tally:
             return self
         return replace(self, losses=1 if done else self.losses + 1)
 
-    def with_target(self, moment: Moment) -> Tally:
+    def with_target(self, context: TickContext) -> Tally:
         """Return it after a latch for the references of this tick."""
-        revision = moment.references.revision or -1
+        revision = context.references.revision or -1
         if revision == self.counted != -1:
             return self  # the same targets, still being led in
         return replace(self, targets=self.targets + 1, counted=revision)
@@ -58,42 +58,42 @@ class Tally:
         """Return it after new targets have shown in the source's chi: no more are expected."""
         return replace(self, anew=_NEVER)
 
-    def may_latch(self, moment: Moment) -> bool:
+    def may_latch(self, context: TickContext) -> bool:
         """Return whether the references of this tick may make the blend latch."""
-        led_in = moment.references.revision == self.counted > 0
+        led_in = context.references.revision == self.counted > 0
         return self.targets < TARGETS or led_in
 
-    def at(self, moment: Moment, choice: Choice) -> Tally:
+    def at(self, context: TickContext, choice: Choice) -> Tally:
         """Return it with what is known of the references at this tick."""
-        if not moment.anew and choice.revision == self.revision:
+        if not context.anew and choice.revision == self.revision:
             return self
-        anew = moment.tick if moment.anew else self.anew
+        anew = context.tick if context.anew else self.anew
         return replace(self, anew=anew, revision=choice.revision)
 
-    def unsteady(self, moment: Moment, choice: Choice, stale: int) -> bool:
+    def unsteady(self, context: TickContext, choice: Choice, stale: int) -> bool:
         """Return whether a step of the source's chi at this tick may be a new reference's doing.
 
         Where revisions are known, it is so when the chi has other ones than that of the tick
         before. Else targets that took effect at A not long ago may show in the chi only now.
 
         Args:
-            moment: this tick.
+            context: of this tick.
             choice: whom A follows.
             stale: the most ticks by which a chi may be late.
         """
         if choice.sample is None:
-            return moment.anew
+            return context.anew
         if None not in (choice.revision, self.revision):
             return choice.revision != self.revision
-        return moment.anew or moment.tick - self.anew <= stale
+        return context.anew or context.tick - self.anew <= stale
 
 
-def level_jumps(way: Route, level: tuple[LinearTask, ...], moment: Moment, means: Means) -> bool:
+def level_jumps(way: Route, level: tuple[LinearTask, ...], context: TickContext) -> bool:
     """Return whether new references move level 1 by more than the joints follow in one tick.
 
     Less than that needs no bridge: a stream of small steps must not hold a transition up.
     """
-    if moment.references is moment.before:
+    if context.references is context.references_before:
         return False
-    old = way.target.first(moment.kinematics, moment.before)
-    return not follows_within(level, old, means.reach)
+    old = way.target.first(context.kinematics, context.references_before)
+    return not follows_within(level, old, context.reach)

@@ -12,7 +12,7 @@ from lexstack.references import References
 from lexstack.tasks.stack import Stack, joined
 from lexstack.transition.blend import Blend
 from lexstack.transition.bridge import goes_on
-from lexstack.transition.channel_problem import Means, Plan
+from lexstack.transition.channel_problem import Plan
 from lexstack.transition.gap_motion import GapMotion
 from lexstack.transition.held_back import at_velocity_limit, held_back
 from lexstack.transition.latch_state import HURRY, LatchState
@@ -20,7 +20,8 @@ from lexstack.transition.messages import Source
 from lexstack.transition.methods import BRIDGES
 from lexstack.transition.relatch import LOSSES, level_jumps
 from lexstack.transition.robot_group import RobotGroup
-from lexstack.transition.sources.inbox import Choice, Moment, Sources
+from lexstack.transition.sources.inbox import Choice, Sources
+from lexstack.transition.tick_context import TickContext
 from lexstack.types import LinearTask, Vector
 
 _NEAR = 10.0  # of what a joint follows in one tick: as old as a plan may be, and two ticks more
@@ -76,45 +77,43 @@ class Channel:
 
     # ---- the tick
 
-    def step(
-        self, moment: Moment, means: Means, sources: Sources, *, adopts: bool
-    ) -> tuple[Channel, Plan]:
+    def step(self, context: TickContext, sources: Sources, *, adopts: bool) -> tuple[Channel, Plan]:
         """Return what A solves for these robots at this tick, and the channel after it."""
         if self.blend is None:
-            levels = self.target.linearise(moment.kinematics, moment.references)
-            plan = Plan(HqpProblem(levels, means.bounds), None, 1.0)
-            used = moment.references
+            levels = self.target.linearise(context.kinematics, context.references)
+            plan = Plan(HqpProblem(levels, context.bounds), None, 1.0)
+            used = context.references
             return (self if self.used is used else replace(self, used=used)), plan
-        return self._go_on(self.blend, moment, means, sources, adopts=adopts)
+        return self._go_on(self.blend, context, sources, adopts=adopts)
 
     def _go_on(
-        self, blend: Blend, moment: Moment, means: Means, sources: Sources, *, adopts: bool
+        self, blend: Blend, context: TickContext, sources: Sources, *, adopts: bool
     ) -> tuple[Channel, Plan]:
         """Return what A solves in a blend; latch anew where the source or level 1 changed."""
-        target, tick = blend.way.target, moment.tick
+        target, tick = blend.way.target, context.tick
         adopts = adopts and not target.planned
-        level = target.first(moment.kinematics, moment.references)
-        choice, blend = _followed(blend, level, moment, sources)
+        level = target.first(context.kinematics, context.references)
+        choice, blend = _followed(blend, level, context, sources)
         reason = choice.why or self.reason
-        chi = sources.chi(choice, target, moment, means)
-        unsteady = blend.tally.unsteady(moment, choice, sources.stale)
-        blend = self._latched_again(blend, (choice, chi), level, moment, means, unsteady=unsteady)
-        tally = blend.tally.at(moment, choice)
+        chi = sources.chi(choice, target, context)
+        unsteady = blend.tally.unsteady(context, choice, sources.stale)
+        blend = self._latched_again(blend, (choice, chi), level, context, unsteady=unsteady)
+        tally = blend.tally.at(context, choice)
         if tally is not blend.tally:
             blend = replace(blend, tally=tally)
-        blend = blend.advanced(chi, tick, means, unsteady=unsteady)
+        blend = blend.advanced(chi, tick, context, unsteady=unsteady)
         at_end = adopts and choice.source is Source.ROBOT_B and blend.progress.alpha >= 1.0
         if at_end and blend.request.method in BRIDGES:
-            blend, why = _at_end(blend, sources.own(target, moment, means), tick, means)
+            blend, why = _at_end(blend, sources.own(target, context), tick, context)
             reason = why or reason
-        elif adopts and blend.end is None and blend.over_at(tick + 1, means):
+        elif adopts and blend.end is None and blend.over_at(tick + 1, context):
             # Known one tick ahead, so that the source never solves for nothing.
             blend = replace(blend, end=tick + 2)
         if NEAR not in reason and not (tick - blend.start) % _LOOK:
-            why = _held_back(blend, moment, means)
+            why = _held_back(blend, context)
             reason = "; ".join(word for word in (reason, why) if word)
-        plan = Plan(blend.problem(level, moment, means), blend.source_chi, blend.progress.alpha)
-        used, kept = moment.references, (self.part, self.adopted, self.origin, self.id)
+        plan = Plan(blend.problem(level, context), blend.source_chi, blend.progress.alpha)
+        used, kept = context.references, (self.part, self.adopted, self.origin, self.id)
         return Channel(*kept, used, blend, reason, self.aborted), plan
 
     def _latched_again(
@@ -122,8 +121,7 @@ class Channel:
         blend: Blend,
         source: tuple[Choice, Vector],
         level: tuple[LinearTask, ...],
-        moment: Moment,
-        means: Means,
+        context: TickContext,
         *,
         unsteady: bool,
     ) -> Blend:
@@ -133,34 +131,33 @@ class Channel:
             blend: under way.
             source: whom to follow, and its chi of this tick, shape (n,).
             level: level 1 of the target at this tick.
-            moment: this tick.
-            means: what the controller lends.
+            context: of this tick.
             unsteady: whether the chi may have moved by a new reference.
         """
         (choice, chi), tally = source, blend.tally
         if choice.source is blend.source:
-            if blend.start == moment.tick or not tally.may_latch(moment):
+            if blend.start == context.tick or not tally.may_latch(context):
                 return blend
-            jumps = unsteady and blend.jumps(chi, means)
-            if not jumps and not level_jumps(blend.way, level, moment, means):
+            jumps = unsteady and blend.jumps(chi, context)
+            if not jumps and not level_jumps(blend.way, level, context):
                 return blend
-            tally = tally.with_target(moment)
+            tally = tally.with_target(context)
             tally = tally.seen() if jumps else tally
-        past = past_of((self,), level, blend.request.duration, moment, means)
-        if choice.source is Source.HTMPC and self._begins_here(chi, moment, means):
+        past = past_of((self,), level, blend.request.duration, context)
+        if choice.source is Source.HTMPC and self._begins_here(chi, context):
             past = LatchState(chi, past.level_goes_on, None)
-        latched = Blend.latched(blend.way, (choice.source, chi), level, past, moment)
+        latched = Blend.latched(blend.way, (choice.source, chi), level, past, context)
         # Who goes on as before is taken to move as before, until that is known; but not for ever.
         drift = blend.drift if choice.source is blend.source and not past.recent else None
         return replace(latched, drift=drift, alone=blend.alone, tally=tally)
 
-    def _begins_here(self, chi: Vector, moment: Moment, means: Means) -> bool:
+    def _begins_here(self, chi: Vector, context: TickContext) -> bool:
         """Return whether a plan that is back begins where these robots are, at chi (n,) now.
 
         Then there is no gap to fade. One that was latched would come back with every plan, as each
         begins at A's command.
         """
-        gap = np.abs(chi - moment.kinematics.state.command) <= _NEAR * means.reach
+        gap = np.abs(chi - context.kinematics.state.command) <= _NEAR * context.reach
         return bool(gap[self.part.columns].all())
 
     def finished(self, plan: Plan, sources: Sources, *, adopts: bool) -> Channel:
@@ -177,7 +174,7 @@ class Channel:
 
 
 def _followed(
-    blend: Blend, level: tuple[LinearTask, ...], moment: Moment, sources: Sources
+    blend: Blend, level: tuple[LinearTask, ...], context: TickContext, sources: Sources
 ) -> tuple[Choice, Blend]:
     """Return whom a blend follows at this tick, and the blend with a loss of B counted."""
     if blend.alone:
@@ -185,7 +182,7 @@ def _followed(
     # A part of a stack cannot be compared with what B says of the whole.
     known = level if blend.way.whole else ()
     asked = asked_of(blend.way.target)
-    choice = sources.present(blend.source, blend.request.id, moment, known, asked)
+    choice = sources.present(blend.source, blend.request.id, context, known, asked)
     done = blend.progress.alpha >= 1.0
     tally = blend.tally.lost(blend.source, choice, done=done)
     if tally is blend.tally:
@@ -197,13 +194,13 @@ def _followed(
     return choice, replace(blend, tally=tally, alone=alone)
 
 
-def _held_back(blend: Blend, moment: Moment, means: Means) -> str:
+def _held_back(blend: Blend, context: TickContext) -> str:
     """Return which level of the target asks for more than the velocity limits allow, or ''."""
     target, part = blend.way.target, blend.way.part
-    velocity = means.limits.velocity
+    velocity = context.limits.velocity
     if target.planned or not at_velocity_limit(part, blend.source_chi, velocity):
         return ""
-    return held_back(part, target.linearise(moment.kinematics, moment.references), velocity)
+    return held_back(part, target.linearise(context.kinematics, context.references), velocity)
 
 
 def asked_of(stack: Stack) -> Source:
@@ -215,8 +212,7 @@ def past_of(
     channels: Sequence[Channel],
     level: tuple[LinearTask, ...],
     duration: float,
-    moment: Moment,
-    means: Means,
+    context: TickContext,
 ) -> LatchState:
     """Return it for robots that were on one channel or on several.
 
@@ -228,15 +224,16 @@ def past_of(
         channels: that the robots were on; no others are on them.
         level: level 1 of the stack that A goes to, at this tick.
         duration: of the blend to come [s].
-        moment: this tick.
-        means: what the controller lends.
+        context: of this tick.
     """
-    kinematics = moment.kinematics
+    kinematics = context.kinematics
     old = tuple(
-        task for channel in channels for task in channel.target.first(kinematics, moment.before)
+        task
+        for channel in channels
+        for task in channel.target.first(kinematics, context.references_before)
     )
-    same = goes_on(level, old, means.reach)
-    references = moment.references if same else moment.before
+    same = goes_on(level, old, context.reach)
+    references = context.references if same else context.references_before
     start = kinematics.state.command.copy()
     carry: GapMotion | None = None
     recent = 0
@@ -244,13 +241,13 @@ def past_of(
         columns = channel.part.columns
         if channel.blend is None:
             levels = channel.target.linearise(kinematics, references)
-            chi = means.solve(HqpProblem(levels, means.bounds))
+            chi = context.solve(HqpProblem(levels, context.bounds))
             start[columns] = chi[columns]
             continue
         same = same and channel.blend.bridge.epsilon is None
-        if (moment.tick - channel.blend.start) * means.dt < HURRY:
+        if (context.tick - channel.blend.start) * context.dt < HURRY:
             recent = max(recent, channel.blend.recent + 1)
-        step, left = channel.blend.left(moment.tick, duration, means)
+        step, left = channel.blend.left(context.tick, duration, context)
         start[columns] += step[columns]
         if left is not None:
             carry = carry or GapMotion.none(start.size, duration)
@@ -258,21 +255,21 @@ def past_of(
     return LatchState(start, same, carry, recent)
 
 
-def _at_end(blend: Blend, own: Vector, tick: int, means: Means) -> tuple[Blend, str]:
+def _at_end(blend: Blend, own: Vector, tick: int, context: TickContext) -> tuple[Blend, str]:
     """Return how A goes on at the end, and why if not as it is: where its own optimum is not B's.
 
     Args:
         blend: whose alpha is 1.
         own: A's own optimum of this tick, shape (n,).
         tick: this one.
-        means: what the controller lends.
+        context: of this tick.
     """
     mine = blend.way.part.columns
     apart = np.abs(own - blend.source_chi)[mine]
-    if (apart <= _SAME * means.limits.acceleration[mine] * means.dt).all():
+    if (apart <= _SAME * context.limits.acceleration[mine] * context.dt).all():
         return blend, ""
     why = (
         f"robot B's chi at tick {tick} is {apart.max():.2g} (m/s, rad/s) off robot A's own: "
         "robot A blends on to its own"
     )
-    return blend.taken_over(own, tick, means), why
+    return blend.taken_over(own, tick, context), why

@@ -7,14 +7,14 @@ from dataclasses import replace
 
 from lexstack.tasks.stack import Stack, joined
 from lexstack.transition.blend import Blend
-from lexstack.transition.channel_problem import Means
 from lexstack.transition.channels.channel import Channel, past_of
 from lexstack.transition.channels.lineup import PartOf
 from lexstack.transition.relatch import Tally
 from lexstack.transition.requests import SwitchRequest
 from lexstack.transition.robot_group import RobotGroup
 from lexstack.transition.route import Route
-from lexstack.transition.sources.inbox import Choice, Moment
+from lexstack.transition.sources.inbox import Choice
+from lexstack.transition.tick_context import TickContext
 from lexstack.types import Vector
 
 
@@ -23,8 +23,7 @@ def begun(
     request: SwitchRequest,
     goal: tuple[RobotGroup, Stack, bool],
     source: tuple[Choice, Vector],
-    moment: Moment,
-    means: Means,
+    context: TickContext,
 ) -> Channel:
     """Return the channel that a request makes of robots that were on others until now.
 
@@ -33,15 +32,14 @@ def begun(
         request: whose tick has come.
         goal: the robots, the stack that they go to, and whether they are all that it moves.
         source: whom to follow, and its chi of this tick, shape (n,).
-        moment: this tick.
-        means: what the controller lends.
+        context: of this tick.
     """
     (part, target, whole), (choice, chi) = goal, source
-    level = target.first(moment.kinematics, moment.references)
-    past = past_of(channels, level, request.duration, moment, means)
+    level = target.first(context.kinematics, context.references)
+    past = past_of(channels, level, request.duration, context)
     way = Route(request, part, joined([c.target for c in channels], part.team), target, whole)
-    blend = Blend.latched(way, (choice.source, chi), level, past, moment)
-    blend = replace(blend, tally=Tally().at(moment, choice))
+    blend = Blend.latched(way, (choice.source, chi), level, past, context)
+    blend = replace(blend, tally=Tally().at(context, choice))
     gone = dict.fromkeys(c.blend.request.id for c in channels if c.blend is not None)
     reason = request.reason
     if gone and not reason:
@@ -52,7 +50,7 @@ def begun(
         adopted,
         " + ".join(dict.fromkeys(stack.name for stack in adopted)),
         request.id,
-        moment.references,
+        context.references,
         blend,
         "; ".join(word for word in (reason, choice.why) if word),
         next((channel.aborted for channel in channels if channel.aborted), ""),

@@ -16,9 +16,9 @@ def activation(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     comes that hierarchy is the old stack, without what goes the new one; both are solved beside,
     without acceleration limits, T(35).
     """
-    new, old, free = view.new(), view.old(), view.free()
-    without_coming = view.solve(HqpProblem(old, free))
-    without_going = view.solve(HqpProblem(new, free))
+    new, old, free = view.new(), view.old(), view.context.free_bounds()
+    without_coming = view.context.solve(HqpProblem(old, free))
+    without_going = view.context.solve(HqpProblem(new, free))
     levels: Levels = ()
     for arriving, leaving in _pairs(new, old):
         kept = {task.name for task in arriving} & {task.name for task in leaving}
@@ -33,7 +33,7 @@ def activation(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
                 if task.name not in kept
             )
         levels = (*levels, level) if level else levels
-    return HqpProblem(levels, view.bounds)
+    return HqpProblem(levels, view.context.bounds)
 
 
 def _pairs(new: Levels, old: Levels) -> list[tuple[tuple[LinearTask, ...], ...]]:

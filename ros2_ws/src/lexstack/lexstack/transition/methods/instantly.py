@@ -9,9 +9,9 @@ from lexstack.transition.methods.view import View
 
 def instant(view: View, _latched: Bridge, _alpha: float) -> HqpProblem:
     """Return the source's optimum as it is, without acceleration limits."""
-    return HqpProblem((view.part.follow(view.source),), view.free())
+    return HqpProblem((view.part.follow(view.source),), view.context.free_bounds())
 
 
 def instant_limited(view: View, _latched: Bridge, _alpha: float) -> HqpProblem:
     """Return the new stack within A's own box: the strong baseline, smooth by its limits alone."""
-    return HqpProblem(view.new(), view.bounds)
+    return HqpProblem(view.new(), view.context.bounds)

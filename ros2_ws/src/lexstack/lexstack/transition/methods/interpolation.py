@@ -13,6 +13,6 @@ def interpolation(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     Both are targets without acceleration limits, T(35); their mean then is within A's own. No
     optimum of anything in between; on pre-emption it starts from the old stack again.
     """
-    old = view.solve(HqpProblem(view.old(), view.free()))
+    old = view.context.solve(HqpProblem(view.old(), view.context.free_bounds()))
     mean = (1.0 - alpha) * old + alpha * view.source
-    return HqpProblem((view.part.follow(mean),), view.bounds)
+    return HqpProblem((view.part.follow(mean),), view.context.bounds)

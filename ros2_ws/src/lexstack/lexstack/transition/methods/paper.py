@@ -16,7 +16,7 @@ def t37(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     As printed: at alpha = 0 the box is the point 0, so whatever moves stops at once, beyond every
     acceleration limit. Where the box excludes 0 (outside a position limit) it is kept whole.
     """
-    box = view.free()
+    box = view.context.free_bounds()
     lower = alpha * box.lower.clip(max=0.0) + box.lower.clip(min=0.0)
     upper = alpha * box.upper.clip(min=0.0) + box.upper.clip(max=0.0)
     levels = below(view.first, view.part.follow(view.source))
@@ -30,7 +30,9 @@ def t34(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     do not change, neither does the box: the method then has no effect.
     """
     levels = below(view.first, view.part.follow(view.source))
-    return HqpProblem(levels, _between(view.before, view.free(), alpha))
+    return HqpProblem(
+        levels, _between(view.context.bounds_before, view.context.free_bounds(), alpha)
+    )
 
 
 def t34_limited(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
@@ -39,7 +41,7 @@ def t34_limited(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     The new box is A's own, and the blend never leaves it: so it is never empty, and every change of
     the command stays within the acceleration limits.
     """
-    box, own = _between(view.before, view.bounds, alpha), view.bounds
+    box, own = _between(view.context.bounds_before, view.context.bounds, alpha), view.context.bounds
     lower = np.clip(box.lower, own.lower, own.upper)
     upper = np.clip(box.upper, own.lower, own.upper)
     levels = below(view.first, view.part.follow(view.source))

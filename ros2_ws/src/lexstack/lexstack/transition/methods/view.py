@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from lexstack.hqp import HqpProblem
-from lexstack.limits.joint_limits import Bounds
 from lexstack.transition.bridge import Bridge
 from lexstack.transition.robot_group import RobotGroup
+from lexstack.transition.tick_context import TickContext
 from lexstack.types import LinearTask, Vector
 
 Levels = tuple[tuple[LinearTask, ...], ...]
@@ -22,23 +22,17 @@ class View:
         part: the robots that are on their way; all levels below are theirs.
         first: level 1 of the new stack.
         source: chi_S, the source's optimum of the new stack, shape (n,).
-        bounds: A's own box, with the acceleration limits.
-        before: A's box of the tick before; that of this tick where there is none.
         new: all levels of the new stack.
         old: all levels of the stack that A comes from.
-        free: the box of T(35), without the acceleration limits.
-        solve: the optimum of a further problem, shape (n,).
+        context: of this tick.
     """
 
     part: RobotGroup
     first: tuple[LinearTask, ...]
     source: Vector
-    bounds: Bounds
-    before: Bounds
     new: Callable[[], Levels]
     old: Callable[[], Levels]
-    free: Callable[[], Bounds]
-    solve: Callable[[HqpProblem], Vector]
+    context: TickContext
 
 
 # (this tick, what was latched at the trigger, alpha in [0, 1]) -> what A solves

@@ -20,7 +20,7 @@ def weights(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
         _weighted(new[k : k + 1], alpha, "to ") + _weighted(old[k : k + 1], 1.0 - alpha, "from ")
         for k in range(max(len(new), len(old)))
     )
-    return HqpProblem(tuple(level for level in levels if level), view.bounds)
+    return HqpProblem(tuple(level for level in levels if level), view.context.bounds)
 
 
 def _weighted(levels: Levels, weight: float, prefix: str) -> tuple[LinearTask, ...]:

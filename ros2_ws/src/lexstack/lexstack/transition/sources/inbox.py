@@ -12,11 +12,11 @@ from lexstack.hqp import Solution
 from lexstack.references import References
 from lexstack.robots import Kinematics
 from lexstack.tasks.stack import Stack
-from lexstack.transition.channel_problem import Means
 from lexstack.transition.messages import Source, SourceSample
 from lexstack.transition.options import TransitionOptions
 from lexstack.transition.sources.newest_chi import Inbox
 from lexstack.transition.sources.residual_check import ResidualCheck, Rows
+from lexstack.transition.tick_context import TickContext
 from lexstack.types import Vector
 
 _EVIDENCE = 10  # chi in a row that miss level 1, in realtime
@@ -32,32 +32,6 @@ class LocalSource(Protocol):
     def at_rest(self, stack: Stack) -> Stack:
         """Return level 1 of a stack with minimum velocity below it."""
         ...
-
-
-@dataclass(frozen=True, slots=True)
-class Moment:
-    """One tick as a transition sees it.
-
-    Attributes:
-        kinematics: at the measured state.
-        references: in effect at this tick.
-        before: in effect at the tick before.
-    """
-
-    kinematics: Kinematics
-    references: References
-    before: References
-
-    @property
-    def tick(self) -> int:
-        """The tick's number."""
-        return self.kinematics.state.tick
-
-    @property
-    def anew(self) -> bool:
-        """Whether targets took effect at this tick; a set-point that is led in is none."""
-        now, before = self.references, self.before
-        return now is not before and (now.revision != before.revision or not now.revision)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,22 +129,22 @@ class Sources:
             return Choice(self._lost, f"{asked.called} sent no chi by tick {tick}: {instead}")
         return None
 
-    def checked(self, first: Choice, moment: Moment, level: Rows) -> Choice:
+    def checked(self, first: Choice, context: TickContext, level: Rows) -> Choice:
         """Return the first choice, or A's own where the chi is not what it claims to be.
 
         ``level`` is level 1 of the new stack at this tick; empty: there is nothing to compare with.
         """
         if first.sample is None:
             return first
-        revision = moment.references.revision
-        miss = self._witness.miss(first.sample, moment.tick, level, revision=revision)
-        return Choice(self._lost, _wrong(moment.tick, miss, self._lost)) if miss else first
+        revision = context.references.revision
+        miss = self._witness.miss(first.sample, context.tick, level, revision=revision)
+        return Choice(self._lost, _wrong(context.tick, miss, self._lost)) if miss else first
 
     def present(
         self,
         source: Source,
         transition_id: int,
-        moment: Moment,
+        context: TickContext,
         level: Rows,
         asked: Source = Source.ROBOT_B,
     ) -> Choice:
@@ -178,11 +152,11 @@ class Sources:
 
         ``level`` is level 1 of the new stack at this tick, ``asked`` who is to solve it.
         """
-        tick, changed = moment.tick, source is not asked
-        revision = moment.references.revision
+        tick, changed = context.tick, source is not asked
+        revision = context.references.revision
         sample = self.fresh(transition_id, tick, revision)
         if sample is not None:
-            miss = self._witness.miss(sample, tick, level, anew=moment.anew, revision=revision)
+            miss = self._witness.miss(sample, tick, level, anew=context.anew, revision=revision)
             if not miss:
                 back = f"{asked.called} is back at tick {tick}" if changed else ""
                 return Choice(asked, back, sample)
@@ -198,22 +172,22 @@ class Sources:
         lost_at = f"{asked.called} lost at tick {tick}, last heard {last}: {instead}"
         return Choice(self._lost, lost_at)
 
-    def chi(self, choice: Choice, stack: Stack, moment: Moment, means: Means) -> Vector:
+    def chi(self, choice: Choice, stack: Stack, context: TickContext) -> Vector:
         """Return the chi of who is followed at this tick, shape (n,)."""
         if choice.sample is not None:
             return choice.sample.chi
         if choice.source is Source.LOCAL:
-            return self.own(stack, moment, means)
-        return np.zeros_like(moment.kinematics.state.command)
+            return self.own(stack, context)
+        return np.zeros_like(context.kinematics.state.command)
 
-    def own(self, stack: Stack, moment: Moment, means: Means) -> Vector:
+    def own(self, stack: Stack, context: TickContext) -> Vector:
         """Return A's own optimum of a stack, shape (n,).
 
-        Where it cannot be solved the robots hold what they do, and ``means`` tells of it.
+        Where it cannot be solved the robots hold what they do, and the context tells of it.
         """
-        solution = self._local.solve(stack, moment.kinematics, moment.references)
+        solution = self._local.solve(stack, context.kinematics, context.references)
         reason = "" if solution.solved else solution.reason
-        return means.held(f"stack {stack.name!r}: {reason}") if reason else solution.chi
+        return context.held(f"stack {stack.name!r}: {reason}") if reason else solution.chi
 
     def at_rest(self, stack: Stack) -> Stack:
         """Return the stack that A adopts when it has come to minimum velocity."""
