@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from lexstack.errors import ConfigurationError, NotANumberError
 
-T = TypeVar("T")
+_T = TypeVar("_T")
 
 _LARGEST = 2**63  # integers beyond it are mistakes
 
@@ -94,7 +94,7 @@ def _numbers(value: float | Iterable[float]) -> Iterable[float]:
     return (value,) if isinstance(value, int | float) else value
 
 
-def build(kind: type[T], data: object, where: str) -> T:
+def build(kind: type[_T], data: object, where: str) -> _T:
     """Return ``data`` as an instance of the dataclass ``kind``; every key known, every type right.
 
     A dataclass may define ``validate(where)``, which raises ConfigurationError; it runs last.
