@@ -64,7 +64,7 @@ def bridge() -> Figure:
     gap = 0.1 - (0.5 + 0.2 * np.sin(2.0 * start))
     command = np.where(time < start, before, source + rest * gap)
     slip = np.full(1, -0.4 * np.cos(2.0 * start))  # rad/s^2, the acceleration of A less that of B
-    motion = replace(GapMotion.none(1, duration), slip=slip)
+    motion = replace(GapMotion.none(1, duration), acceleration_mismatch=slip)
     carried = np.array([motion.at(t - start)[0] if t >= start else 0.0 for t in time])
     step = np.where(time < start, before, source)
     figure, (top, bottom) = _figure(2)

@@ -17,13 +17,12 @@ from functools import cache
 import pytest
 import yaml
 
-from lexstack.options import build
 from lexstack.robots import ObstacleConfig
 from lexstack.tasks import StackConfig
 from lexstack_bringup.hosts import SERVER, load_hosts
 from lexstack_bringup.player import PLAYER
 from lexstack_bringup.processes import NODES, PLANNERS
-from lexstack_config.reader import parse_yaml
+from lexstack_config.reader import build, parse_yaml
 from lexstack_config.scenario import ScenarioConfig
 from lexstack_experiments.benches import BENCHES
 from lexstack_experiments.experiments import EXPERIMENTS

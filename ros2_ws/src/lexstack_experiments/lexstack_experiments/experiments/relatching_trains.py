@@ -12,7 +12,7 @@ from lexstack.references import References
 from lexstack.robots import Pose, Team
 from lexstack.transition import Announcement, Source, SourceSample, TransitionConfig, quintic
 from lexstack.types import RobotState, Vector
-from lexstack_config.parts import Parts
+from lexstack_config.parts import Parts, home_of
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
@@ -177,7 +177,7 @@ def run(train: Train, resolved: ResolvedScenario, parts: Parts, *, perfect: bool
     """
     transition = TransitionConfig(duration=train.duration)
     resolved = changed(resolved, mode=train.mode, transition=transition, events=())
-    team, home = parts.team, parts.team.home(resolved)
+    team, home = parts.team, home_of(parts.team, resolved)
     result = Loop(resolved, IdealPlant(resolved, team), parts=parts)
     result.controller.references = Schedule(train, team, home, lagged=False)  # type: ignore[assignment]
     result.references_b = Schedule(train, team, home, lagged=not perfect)  # type: ignore[assignment]
