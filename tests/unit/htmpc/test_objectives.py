@@ -4,10 +4,16 @@ import numpy as np
 import pytest
 
 from lexstack.errors import InputError
-from lexstack.mpc.rotations import from_quaternions, log3_all, log_slopes
 from lexstack.mpc.stage_kinematics import StageModel
 from lexstack.mpc.tracking_objectives import MEASURES, Objective, Task
-from lexstack.spatial import from_quaternion, log3, to_quaternion
+from lexstack.spatial import (
+    from_quaternion,
+    from_quaternions,
+    log3,
+    log3_all,
+    log_slopes,
+    to_quaternion,
+)
 from support.htmpc import config, robot
 
 STAGES = config().horizon

@@ -5,8 +5,7 @@ import pytest
 
 from lexstack.errors import InputError
 from lexstack.mpc import Trajectory, base_path, ee_path, hold, steps
-from lexstack.mpc.rotations import from_quaternions, log3_all
-from lexstack.spatial import to_quaternion
+from lexstack.spatial import from_quaternions, log3_all, to_quaternion
 
 
 def test_a_base_line_keeps_its_speed_and_turns_the_short_way():

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.mpc.rotations import from_quaternions
 from lexstack.mpc.tracking_objectives import Kind
 from lexstack.robots import Pose, RobotModel
-from lexstack.spatial import log3, to_quaternion, wrap
+from lexstack.spatial import from_quaternions, log3, to_quaternion, wrap
 from lexstack.types import Vector
 
 
