@@ -17,19 +17,20 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from lexstack.config.resolved import ResolvedScenario
 from lexstack.robots import Team
+from lexstack.transition.messages import Phase
 from lexstack.types import Vector
 from lexstack_bag.run.provenance import run_facts
 from lexstack_bag.storage.container import Progress
 from lexstack_bag.storage.definitions import message_definition
 from lexstack_bag.storage.metadata import Qos, Topic
 from lexstack_bag.storage.writer import BagWriter
+from lexstack_bag.topics import COMMAND, PLANT_STATE, SOLUTION, STREAMS, TOOLS, TRANSITION
 
 _EPOCH = 1_700_000_000_000_000_000  # ns
 _SWITCH, _BLEND = 6000, 100  # ticks between two switches, ticks of a blend
 _SLOW = 2  # topics for tools come at every second tick
 _TICK = 0x1122334455667788  # stands for the tick in a message that is a pattern
 _STAMP = struct.Struct("<II")
-_IDLE, _BLENDING, _ADOPTING = 0, 3, 4
 
 
 def write_bag(
@@ -103,29 +104,12 @@ class _Maker:
         self._tools = {
             f"/{name}/{topic}": self._pattern(kind, {})
             for name in names
-            for topic, kind in (
-                ("joint_states", "sensor_msgs/msg/JointState"),
-                ("ee_pose", "geometry_msgs/msg/PoseStamped"),
-                ("odom", "nav_msgs/msg/Odometry"),
-            )
+            for topic, kind in TOOLS.items()
         }
 
     def topics(self) -> list[Topic]:
         """Return the topics of the bag."""
-        interfaces = "lexstack_interfaces/msg"
-        kinds = {
-            "/clock": "rosgraph_msgs/msg/Clock",
-            "/plant/state": f"{interfaces}/PlantState",
-            "/robot_a/chi": f"{interfaces}/Chi",
-            "/robot_b/chi": f"{interfaces}/Chi",
-            "/robot_a/transition": f"{interfaces}/TransitionStatus",
-        }
-        for topic in self._tools:
-            kinds[topic] = {
-                "joint_states": "sensor_msgs/msg/JointState",
-                "ee_pose": "geometry_msgs/msg/PoseStamped",
-                "odom": "nav_msgs/msg/Odometry",
-            }[topic.rsplit("/", 1)[1]]
+        kinds = STREAMS | {topic: TOOLS[topic.rsplit("/", 1)[1]] for topic in self._tools}
         return [Topic(name, kind, (Qos(),)) for name, kind in kinds.items()]
 
     def messages(self, tick: int) -> Iterator[tuple[str, bytes]]:
@@ -137,11 +121,11 @@ class _Maker:
         switch, since = divmod(tick, _SWITCH)
         stack = self._stacks[switch % len(self._stacks)]
         yield "/clock", self._clock.at(time, tick)
-        yield "/plant/state", self._plant.at(time, tick, q=q, v=chi, q_star=q, command=chi)
+        yield PLANT_STATE, self._plant.at(time, tick, q=q, v=chi, q_star=q, command=chi)
         box = {"lower": -self._limits, "upper": self._limits}
-        yield "/robot_b/chi", self._chi[stack].at(time, tick, chi=chi, **box)
-        yield "/robot_a/chi", self._chi[stack].at(time, tick, chi=chi, **box)
-        yield "/robot_a/transition", self._status(tick, switch, since, stack)
+        yield SOLUTION, self._chi[stack].at(time, tick, chi=chi, **box)
+        yield COMMAND, self._chi[stack].at(time, tick, chi=chi, **box)
+        yield TRANSITION, self._status(tick, switch, since, stack)
         if tick % _SLOW == 0:
             for topic, pattern in self._tools.items():
                 yield topic, pattern.at(time, tick)
@@ -149,7 +133,7 @@ class _Maker:
     def _status(self, tick: int, switch: int, since: int, stack: str) -> bytes:
         """Return how far robot A is on its way."""
         blending = bool(switch) and since <= _BLEND
-        phase = (_ADOPTING if since == _BLEND else _BLENDING) if blending else _IDLE
+        phase = (Phase.ADOPTING if since == _BLEND else Phase.BLENDING) if blending else Phase.IDLE
         data = _serialized(
             "lexstack_interfaces/msg/TransitionStatus",
             tick=tick,

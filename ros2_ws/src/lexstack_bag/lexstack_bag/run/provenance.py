@@ -10,9 +10,6 @@ from pathlib import Path
 
 from lexstack.config.resolved import ResolvedScenario
 
-SCENARIO = "/robot_a/scenario"
-"""Where robot A publishes the resolved scenario, for recorders that are not lexstack's own."""
-
 _PACKAGES = {
     "lexstack": "lexstack-core",
     "numpy": "numpy",

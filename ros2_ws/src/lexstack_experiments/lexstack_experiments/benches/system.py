@@ -23,6 +23,7 @@ from lexstack.errors import LexstackError
 from lexstack_bag.run.run import Integers
 from lexstack_bag.storage.container import Container, find_files
 from lexstack_bag.storage.decoder import Decoder
+from lexstack_bag.topics import COMMAND, PLANT_STATE
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
 
@@ -143,11 +144,11 @@ def _add_times(bag: Path, phases: Sequence[dict[str, Any]]) -> None:
     arrived: dict[int, int] = {}
     decode = Decoder()
     for message in Container(find_files(bag)).messages():
-        if message.topic == "/plant/state":
+        if message.topic == PLANT_STATE:
             state = decode(message)
             sent.setdefault(state.tick, message.publish_time)
             late.append((message.publish_time, state.late_ticks))
-        elif message.topic == "/robot_a/chi":
+        elif message.topic == COMMAND:
             arrived.setdefault(decode(message).tick, message.log_time)
     for phase in phases:
         first, last = phase["span"]

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lexstack.config.resolved import ResolvedScenario
 from lexstack.control.factory import Parts, build_controller
 from lexstack.hqp import HqpProblem, HqpSolver, Solution, make_solver
-from lexstack.limits.viable_bounds import JointLimits
 from lexstack.transition.messages import Source
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
@@ -58,13 +57,8 @@ def record(resolved: ResolvedScenario, longest: int, slower: float = 1.0) -> tup
     """
     parts = Parts.of(resolved)
     limits = parts.team.limits
-    parts.team.limits = JointLimits(
-        limits.position_lower,
-        limits.position_upper,
-        limits.velocity / slower,
-        limits.acceleration / slower,
-        limits.jerk,
-    )
+    rates = {name: getattr(limits, name) / slower for name in ("velocity", "acceleration")}
+    parts.team.limits = replace(limits, **rates)
     log: list[tuple[HqpProblem, Solution]] = []
     solver = resolved.scenario.solver
     controller = build_controller(resolved, parts, lambda: _Listening(make_solver(solver), log))

@@ -14,7 +14,7 @@ from std_msgs.msg import String
 from lexstack.config.resolved import ResolvedScenario
 from lexstack.config.yaml_text import read_text
 from lexstack.errors import ConfigurationError
-from lexstack_bag.run.provenance import SCENARIO
+from lexstack_bag.topics import SCENARIO
 from lexstack_ros.messages.qos import LATCHED
 
 
