@@ -12,8 +12,8 @@ from lexstack_bag.figures.limits import limits_in_force
 from lexstack_bag.figures.series import COMMANDER
 from lexstack_experiments.experiments.sudden_limits_cases import cases, laws
 from lexstack_experiments.experiments.sudden_limits_least import least_ticks
-from lexstack_experiments.experiments.sudden_limits_runs import Play, never_switched
-from lexstack_experiments.runs import Measured, changed
+from lexstack_experiments.experiments.sudden_limits_runs import Play
+from lexstack_experiments.runs import Measured, changed, never_switched
 from support.scenario import CONFIG
 
 ALL = {case.name: case for case in cases(CONFIG, 0)}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
@@ -80,17 +81,24 @@ class Figure:
         return self.value is not None and self.goal.reached(self.value)
 
 
+def zero(name: str, value: float | None, unit: str = "", paper: str = "") -> Figure:
+    """Return a figure that is to be zero."""
+    return Figure(name, value, unit, Goal("==", 0.0), paper)
+
+
 @dataclass(frozen=True, slots=True)
 class Table:
     """Rows of equal length under the names of the columns (with their units)."""
 
     columns: tuple[str, ...]
-    rows: tuple[tuple[Cell, ...], ...]
+    rows: Iterable[tuple[Cell, ...]]
     title: str = ""
 
     def __post_init__(self) -> None:
-        """Raise ValueError for a row of another length."""
-        for row in self.rows:
+        """Keep the rows as a tuple; raise ValueError for a row of another length."""
+        rows = tuple(self.rows)
+        object.__setattr__(self, "rows", rows)
+        for row in rows:
             if len(row) != len(self.columns):
                 raise ValueError(f"table: {len(row)} cells in {len(self.columns)} columns: {row}")
 

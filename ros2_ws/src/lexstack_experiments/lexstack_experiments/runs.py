@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from lexstack.config.resolved import ResolvedScenario, load_scenario
 from lexstack_bag.figures.figures import Metrics, compute_metrics
@@ -14,6 +14,8 @@ from lexstack_bag.figures.series import Measures, measure
 from lexstack_bag.run.run import Run
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.recording import recorded
+
+Case = TypeVar("Case", bound=Any)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +49,12 @@ def with_method(resolved: ResolvedScenario, method: str, **values: Any) -> Resol
     """Return a scenario whose switches use a method, and other values of its transition."""
     transition = replace(resolved.scenario.transition, method=method, **values)
     return changed(resolved, transition=transition)
+
+
+def never_switched(case: Case) -> Case:
+    """Return a case, a dataclass with ``resolved``, with its references and without switches."""
+    events = tuple(replace(event, switch="") for event in case.resolved.scenario.events)
+    return replace(case, resolved=changed(case.resolved, events=events))
 
 
 def run_telling(loop: Loop, what: str, say: Callable[[str], None]) -> Loop:

@@ -10,7 +10,6 @@ last solution to start from if it can use it; the time is that of the call, stac
 
 from __future__ import annotations
 
-import gc
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -22,7 +21,8 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.certificate import certified_excess
 from lexstack_experiments.hierarchies.peers import STRICT, WEIGHTED, Pink, installed
 from lexstack_experiments.hierarchies.recorded import Sequence, record
-from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
+from lexstack_experiments.measuring import no_collection
+from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 from lexstack_experiments.runs import scenario_of
 
 NAME = "hqp"
@@ -104,13 +104,11 @@ def run(options: Options) -> Results:
         (name, len(s.problems), len(s.problems[0].levels), s.pressed)
         for name, s in sequences.items()
     )
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(runs)),
+        _figures(runs),
         (
-            Table(_COLUMNS, tuple(lines)),
+            Table(_COLUMNS, lines),
             Table(("sequence", "problems", "levels", "share at bounds"), about, "the problems"),
         ),
         {"plant": "ideal", "rate_hz": resolved.scenario.rate, "robots": 2, "slower": SLOWER},
@@ -139,14 +137,10 @@ def _measured(
         solvers = {name: s for name, s in solvers.items() if not isinstance(s, Pink)}
     times = {name: np.empty((options.cases, len(sequence.problems))) for name in solvers}
     judged = {name: _judge(sequence, solver) for name, solver in solvers.items()}
-    gc.collect()
-    gc.disable()
-    try:
+    with no_collection():
         for number in range(options.cases):
             for name, solver in solvers.items():
                 times[name][number] = _US * _timed(sequence, solver)
-    finally:
-        gc.enable()
     options.say(f"{_name(sequence)}: {sequence.pressed:.0%} at bounds")
     return {name: Run(*judged[name], times[name]) for name in solvers}
 
@@ -190,12 +184,7 @@ def _figures(runs: dict[str, dict[str, Run]]) -> list[Figure]:
     """Return what the default solver is to reach, beside the fastest strict peer."""
     default = f"lexstack {OURS[0]}"
     figures = [
-        Figure(
-            "Failures of the default solver",
-            sum(by[default].failures for by in runs.values()),
-            "",
-            Goal("==", 0.0),
-        ),
+        zero("Failures of the default solver", sum(by[default].failures for by in runs.values())),
         Figure(
             "Excess of the default solver",
             1e9 * max(by[default].excess for by in runs.values()),

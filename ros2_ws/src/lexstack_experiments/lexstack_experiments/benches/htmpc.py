@@ -13,7 +13,6 @@ The paper's way (CasADi's sparse QP, its object built anew for every QP) solves 
 from __future__ import annotations
 
 import dataclasses
-import gc
 from dataclasses import dataclass
 from importlib.util import find_spec
 from time import thread_time
@@ -30,7 +29,8 @@ from lexstack.types import Vector
 from lexstack_experiments.baselines.htloop import Track, objectives_of
 from lexstack_experiments.baselines.htmpc_paper import LICENSED, SOLVERS, PaperHtmpc
 from lexstack_experiments.experiment import Experiment, Options
-from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
+from lexstack_experiments.measuring import no_collection
+from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 
 NAME = "htmpc"
 SOLVES = 1000
@@ -213,22 +213,16 @@ def run(options: Options) -> Results:
         loops[row].wall.clear()
         loops[row].cpu.clear()
     options.say("all built")
-    gc.collect()
-    gc.disable()
-    try:
+    with no_collection():
         for begun in range(0, options.cases, _TURN):
             for loop in loops.values():
                 loop.advance(min(_TURN, options.cases - begun))
             options.say(f"{min(begun + _TURN, options.cases)} of {options.cases} solves per row")
-    finally:
-        gc.enable()
     failures = sum(loop.paper_failed for loop in loops.values())
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(loops, paper)),
-        (Table(_COLUMNS, tuple(loop.cells() for loop in loops.values())),),
+        _figures(loops, paper),
+        Table(_COLUMNS, [loop.cells() for loop in loops.values()]),
         {"paper_qp_solver": paper, "paper_qp_failures": failures, "obstacles": OBSTACLES},
         _NOTES,
     )
@@ -261,7 +255,7 @@ def _figures(loops: dict[Row, Loop], paper: str) -> list[Figure]:
                 Figure(f"{row.text}: cpu over N = 10", loop.cpu_p50 / short.cpu_p50, "", _TWICE)
             )
     failed = sum(loop.failed for loop in loops.values())
-    return [*figures, Figure("Solves with a failed level", float(failed), "", Goal("==", 0.0))]
+    return [*figures, zero("Solves with a failed level", float(failed))]
 
 
 def tracks_of(robot: RobotModel, options: Options) -> tuple[Track, Track]:

@@ -20,7 +20,7 @@ from pathlib import Path
 from lexstack.errors import LexstackError
 from lexstack_bag.storage.container import Container, find_files
 from lexstack_experiments.experiment import Experiment, Options
-from lexstack_experiments.results import Figure, Goal, Peer, Results, Table
+from lexstack_experiments.results import Figure, Goal, Peer, Results, Table, zero
 from lexstack_experiments.runs import scenario_of
 
 NAME = "recorder"
@@ -84,12 +84,10 @@ def run(options: Options) -> Results:
         "recorder", "preset", "topics", "messages/s", "sent", "lost", "of them counted",
         "% of a core", "us per message", "MB",
     )  # fmt: skip
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(outcomes)),
-        (Table(columns, tuple(_row(outcome) for outcome in outcomes)),),
+        _figures(outcomes),
+        Table(columns, [_row(outcome) for outcome in outcomes]),
         {"bytes": BYTES, "seconds": SECONDS, "qos": "reliable"},
         (
             "Publisher and recorder share the machine's cores.",
@@ -124,7 +122,7 @@ def _figures(outcomes: list[Outcome]) -> list[Figure]:
         ),
     ]
     missed = sum(abs(o.lost - o.counted) for o in outcomes if o.counted is not None and o.acked)
-    figures.append(Figure("Losses that were not counted", missed, "", Goal("==", 0.0)))
+    figures.append(zero("Losses that were not counted", missed))
     return figures
 
 

@@ -79,12 +79,10 @@ def run(options: Options) -> Results:
         for phase in found[case.name]:
             options.say(f"{case.name}, {_WHOM[phase['phase']]}: {_rate(phase):.0f} ticks/s")
     rows = [(case, phase) for case in CASES if case.name in found for phase in found[case.name]]
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(found)),
-        (Table(_COLUMNS, tuple(_row(case.name, phase) for case, phase in rows)),),
+        _figures(found),
+        Table(_COLUMNS, [_row(case.name, phase) for case, phase in rows]),
         {"rate_hz": 100.0, "seconds_realtime": options.seconds, "seconds_lockstep": _SHORT},
         (
             "The host of a virtual machine left a second alone if it kept less than 1 % of a core.",

@@ -53,13 +53,11 @@ def run(options: Options) -> Results:
             options.say(f"pass {number} of {options.cases}: {np.median(passes[-1]):.0f} us p50")
     every, unit = np.array(passes), float(np.median(units))
     rows = _rows(tape)
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (*_figures(every, rows), _same(difference), Figure("One SVD of 20 x 20, p50", unit, "us")),
         (
-            Table(_COLUMNS, tuple(_line(name, every[:, mask], unit) for name, mask in rows)),
+            Table(_COLUMNS, [_line(name, every[:, mask], unit) for name, mask in rows]),
             _profile(tape, rows),
         ),
         {"plant": "ideal", "rate_hz": resolved.scenario.rate, "robots": 2, "n": _n(tape)},

@@ -21,7 +21,8 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.fault_checks import Outcome, outcome
 from lexstack_experiments.experiments.fault_cuts import CUTS, cut_events, why_no_cut
 from lexstack_experiments.experiments.fault_records import Told, read_record
-from lexstack_experiments.results import Figure, Goal, Results, Table
+from lexstack_experiments.measuring import largest
+from lexstack_experiments.results import Figure, Goal, Results, Table, zero
 from lexstack_experiments.runs import scenario_of
 from lexstack_testing.faults.cases import CASES, FLOOD
 
@@ -50,12 +51,10 @@ def run(options: Options) -> Results:
         found = _judged(options, [cut_events(options, name)], scenario_of(options.config, NAME))
         outcomes, unreadable = outcomes + found[0], unreadable + found[1]
         options.say(f"{name}: done")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(figures(outcomes, unreadable)),
-        (Table(_COLUMNS, tuple(_row(each) for each in outcomes)),),
+        figures(outcomes, unreadable),
+        Table(_COLUMNS, [_row(each) for each in outcomes]),
         {"mode": "realtime", "rate_hz": 100.0},
         (
             "Detected: the first of a reason in the transition or diagnostics, or a held plant.",
@@ -129,10 +128,6 @@ def _judged(
 
 def figures(outcomes: Sequence[Outcome], unreadable: Sequence[str]) -> list[Figure]:
     """Return what is to be reached in every case."""
-
-    def longest(values: Sequence[float | None]) -> float | None:
-        return max((value for value in values if value is not None), default=None)
-
     floods = [each.answers for each in outcomes if each.case.startswith("flood")]
     return [
         Figure(
@@ -153,7 +148,7 @@ def figures(outcomes: Sequence[Outcome], unreadable: Sequence[str]) -> list[Figu
             "m/s or rad/s",
             Goal("<=", 0, 1e-9),
         ),
-        Figure("Messages reordered", sum(e.reordered for e in outcomes), "", Goal("==", 0)),
+        zero("Messages reordered", sum(e.reordered for e in outcomes)),
         *(
             Figure(name, count, "", Goal("==", 0))
             for name, count in (
@@ -169,8 +164,8 @@ def figures(outcomes: Sequence[Outcome], unreadable: Sequence[str]) -> list[Figu
             "",
             Goal("==", FLOOD),
         ),
-        Figure("Longest detection", longest([e.detected for e in outcomes]), "s"),
-        Figure("Longest way back", longest([e.recovered for e in outcomes]), "s"),
+        Figure("Longest detection", largest(e.detected for e in outcomes), "s"),
+        Figure("Longest way back", largest(e.recovered for e in outcomes), "s"),
     ]
 
 

@@ -19,7 +19,7 @@ from lexstack_experiments.experiments.htmpc_runs import (
     run_wave,
     setting,
 )
-from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table, zero
 
 NAME = "lexicographic-constraints"
 FORMS: dict[Constraint, str] = {"sum": "H(11)", "stage": "H(11) per stage", "axis": "H(12)"}
@@ -86,12 +86,10 @@ def run(options: Options) -> Results:
         options.say(f"{case.text}: tool {waves[case].tool.mean():.2f} mm")
     draw_constraints(_curves(waves), HALF, options.out / "fig5.png")
     rows = [_row(case, wave) for case, wave in waves.items()]
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (*_figures(as_configured), *_authors_figures(waves)),
-        (Table(_COLUMNS, tuple(rows)),),
+        Table(_COLUMNS, rows),
         {
             "peak_m": list(EXAMPLE),
             "reach_m": at.reach,
@@ -112,7 +110,7 @@ def _figures(wave: Wave) -> list[Figure]:
     for part, off in enumerate(wave.off):
         name = f"Ours: base off its optimum in part {part + 1}, of the initial error"
         figures.append(Figure(name, off, "", Goal("<=", WITHIN), "<= 0.05"))
-    return [*figures, Figure("Ours: failed solves", float(wave.failures), "", Goal("==", 0.0))]
+    return [*figures, zero("Ours: failed solves", float(wave.failures))]
 
 
 def _authors_figures(waves: dict[Case, Wave]) -> list[Figure]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.oracle import level_excess
 from lexstack_experiments.probes import counting_controller
-from lexstack_experiments.runs import Measured, changed, with_method
+from lexstack_experiments.runs import Measured, with_method
 
 Mask = NDArray[np.bool_]
 _AFTER = 0.5  # s
@@ -153,12 +153,6 @@ class Play:
         """Return how many ticks have an empty box."""
         commands = self.loop.record.commands
         return sum(commands[k].bounds.empty > 0 for k in np.flatnonzero(ticks))
-
-
-def never_switched(case: Case) -> Case:
-    """Return the case with its references, and without its switches."""
-    events = tuple(replace(event, switch="") for event in case.resolved.scenario.events)
-    return replace(case, resolved=changed(case.resolved, events=events), rows=())
 
 
 def _longer(mask: Mask, ticks: float) -> Mask:

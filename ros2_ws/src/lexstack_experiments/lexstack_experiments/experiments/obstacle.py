@@ -17,7 +17,7 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.obstacle_cases import BASE, DISTANCE, NOTHING, Case, cases
 from lexstack_experiments.experiments.obstacle_pictures import draw_clearance, render_passing
 from lexstack_experiments.loop import Loop
-from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
+from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 from lexstack_experiments.runs import Measured, run_telling, scenario_of
 from lexstack_sim.obstacles import Clearance
 from lexstack_sim.plant import Plant
@@ -71,12 +71,10 @@ def run(options: Options) -> Results:
     shown = next(o for o in outcomes if o.way == DISTANCE)
     said = render_passing(shown.loop, options.out / "obstacle-passing.jpg")
     options.say(said or "drew 2 pictures")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (*_goals(outcomes), *_stated(outcomes)),
-        (Table(_COLUMNS, tuple(_row(outcome) for outcome in outcomes)),),
+        Table(_COLUMNS, [_row(outcome) for outcome in outcomes]),
         {
             "plant": "MuJoCo, joint impedance loop at 1 kHz",
             "rate_hz": whole.scenario.rate,
@@ -142,8 +140,8 @@ def _goals(outcomes: list[Outcome]) -> list[Figure]:
     empty = sum(o.measured.metrics.empty_bounds for o in avoiding)
     figures += [
         Figure("Peak acceleration of the command / limit", peak, "", Goal("<=", 1, _ROUNDING)),
-        Figure("Ticks with an empty box of bounds", empty, "", Goal("==", 0)),
-        Figure("Cases that are harmless by themselves", _harmless(outcomes), "", Goal("==", 0)),
+        zero("Ticks with an empty box of bounds", empty),
+        zero("Cases that are harmless by themselves", _harmless(outcomes)),
     ]
     return figures
 

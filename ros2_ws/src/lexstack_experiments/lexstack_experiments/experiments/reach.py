@@ -56,12 +56,10 @@ def run_experiment(options: Options) -> Results:
             inside += [_inside(resolved, within, law) for law in LAWS]
         options.say(f"{kind}: {options.cases} targets out of reach, as many within")
     rows = [*_rows(outside, "out of reach"), *_rows(inside, "within reach")]
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (*_rest_figures(outside), *_reach_figures(inside)),
-        (Table(_COLUMNS, tuple(rows)),),
+        Table(_COLUMNS, rows),
         {"plant": "exact integrator", "seconds": SECONDS, "kinds": len(KINDS)},
     )
 

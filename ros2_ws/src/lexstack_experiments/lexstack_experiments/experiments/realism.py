@@ -12,7 +12,7 @@ from lexstack.config.plant import PlantConfig
 from lexstack.config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.loop import Loop
-from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table, zero
 from lexstack_experiments.runs import Measured, changed, run_telling, scenario_of
 from lexstack_sim.plant import Plant
 
@@ -48,20 +48,18 @@ def run(options: Options) -> Results:
         if flaw in measured
     }
     everything = rows["all"]
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (
             Figure("Peak acceleration of the command / limit", worst, "", Goal("<=", 1, _ROUNDING)),
-            Figure("Ticks with an empty box of bounds", empty, "", Goal("==", 0)),
-            Figure("Switches not adopted", missed, "", Goal("==", 0)),
+            zero("Ticks with an empty box of bounds", empty),
+            zero("Switches not adopted", missed),
             *(
                 Figure(f"All flaws: {name.removesuffix(' mm')}", _float(cell), "mm")
                 for name, cell in zip(_COLUMNS[1:5], everything[1:5], strict=True)
             ),
         ),
-        (Table(_COLUMNS, tuple(rows.values())),),
+        Table(_COLUMNS, rows.values()),
         {"plant": "MuJoCo, joint impedance loop at 1 kHz", "rate_hz": whole.scenario.rate},
         ("settled: switches after which all errors stay in their band, of 3.",),
     )

@@ -25,8 +25,9 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.pictures import picture
+from lexstack_experiments.probes import WatchedSolver
 from lexstack_experiments.replay import Tape
-from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table, zero
 from lexstack_experiments.runs import changed, scenario_of
 
 NAME = "robots"
@@ -83,24 +84,24 @@ class Case:
 
 
 class DenseCheck:
-    """The scenario's solver; now and then its chi is held against one solve of all joints."""
+    """Now and then holds a chi against one solve of all joints.
+
+    Attributes:
+        apart: largest difference so far, m/s and rad/s.
+    """
 
     def __init__(self, name: str) -> None:
         """Check the solver of this name."""
-        self.name = name
         self.apart = 0.0
-        self._solver = make_solver(name)
         self._dense = SOLVERS[name]()
         self._count = 0
 
-    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
-        """Return the solver's solution."""
-        solution = self._solver.solve(problem, warm)
+    def __call__(self, problem: HqpProblem, solution: Solution) -> None:
+        """Look at what was solved."""
         if self._count % _EVERY == 0:
             apart = np.abs(solution.chi - self._dense.solve(problem).chi)
             self.apart = max(self.apart, float(apart.max()))
         self._count += 1
-        return solution
 
 
 def run(options: Options) -> Results:
@@ -123,12 +124,10 @@ def run(options: Options) -> Results:
     two = {c.way: _busy(c, m) for c, m in zip(cases[:2], measured[:2], strict=True)}
     rows = [_row(case, mine, two[case.way]) for case, mine in zip(cases, measured, strict=True)]
     draw(cases, rows, options.out / "robots.png")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(cases, rows)),
-        (Table(_COLUMNS, tuple(rows)),),
+        _figures(cases, rows),
+        Table(_COLUMNS, rows),
         {"plant": "ideal", "rate_hz": base.scenario.rate, "blend_s": _BLEND, "passes": _PASSES},
         _NOTES,
     )
@@ -173,7 +172,7 @@ def played(base: ResolvedScenario, count: int, way: str) -> Case:
 
     def solver() -> HqpSolver:
         checks.append(DenseCheck(resolved.scenario.solver))
-        return checks[-1]
+        return WatchedSolver(make_solver(resolved.scenario.solver), checks[-1])
 
     parts = Parts.of(resolved)
     controller = build_controller(resolved, parts, solver)
@@ -249,7 +248,7 @@ def _figures(cases: list[Case], rows: list[tuple[Cell, ...]]) -> list[Figure]:
         Figure(
             "Largest acceleration / limit", max(c.peak for c in cases), "", Goal("<=", 1.0, 1e-6)
         ),
-        Figure("Robots that have not adopted their stack", left, "", Goal("==", 0.0)),
+        zero("Robots that have not adopted their stack", left),
     ]
 
 

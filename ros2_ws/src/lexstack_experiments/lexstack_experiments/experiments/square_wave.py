@@ -35,7 +35,7 @@ from lexstack_experiments.experiments.htmpc_runs import (
     run_wave,
     setting,
 )
-from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
+from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 
 NAME = "square-wave"
 CASES = 25
@@ -115,13 +115,11 @@ def run(options: Options) -> Results:
         parts = scores[name].parts.mean(axis=0)
         options.say(f"{name}: parts {parts[0]:.3f}, {parts[1]:.3f}")
     _draw(scores, peaks, at.tool, options.out)
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(scores)),
+        _figures(scores),
         (
-            Table(_COLUMNS, tuple(_row(name, score) for name, score in scores.items())),
+            Table(_COLUMNS, [_row(name, score) for name, score in scores.items()]),
             Table(_CASE_COLUMNS, tuple(_case_rows(scores, peaks)), "every case"),
         ),
         {"half_period_s": HALF, "reach_m": at.reach},
@@ -177,7 +175,7 @@ def _figures(scores: dict[str, Score]) -> list[Figure]:
     foresight = float(part[OURS][1] / part[WPT][1])
     figures.append(Figure("Part 2, HTMPC / HTMPC_WPT", foresight, "", None, "slightly below 1"))
     failed = float(sum(score.failures for score in scores.values()))
-    return [*figures, Figure("Failed solves of all controllers", failed, "", Goal("==", 0.0))]
+    return [*figures, zero("Failed solves of all controllers", failed)]
 
 
 def _row(name: str, score: Score) -> tuple[Cell, ...]:

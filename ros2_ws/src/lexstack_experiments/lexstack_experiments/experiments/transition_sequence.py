@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from lexstack.config.resolved import ResolvedScenario
 from lexstack.transition.methods import METHODS
-from lexstack_bag.figures.figures import PerRobot, PhaseMetrics
+from lexstack_bag.figures.figures import PhaseMetrics
 from lexstack_bag.figures.goals import goals_of
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.sequence_pictures import draw
 from lexstack_experiments.loop import Loop
+from lexstack_experiments.measuring import largest
 from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
 from lexstack_experiments.runs import Measured, changed, run_telling, scenario_of, with_method
 
@@ -37,12 +38,10 @@ def run(options: Options) -> Results:
     ours, theirs = Measured.of(loop), Measured.of(baseline)
     draw(loop, ours, options.out)
     options.say(f"drew {options.cases + 1} pictures")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (*_paper_figures(ours, theirs), *_settling_figures(ours, theirs), *_plain(ours, theirs)),
-        (Table(_COLUMNS, tuple(_rows(ours, theirs))),),
+        Table(_COLUMNS, _rows(ours, theirs)),
         {
             "plant": "MuJoCo, joint impedance loop at 1 kHz",
             "rate_hz": resolved.scenario.rate,
@@ -106,8 +105,8 @@ def _rows(ours: Measured, theirs: Measured) -> list[tuple[Cell, ...]]:
             mine.settled_s,
             other.settled_s,
             mine.settled_s / other.settled_s if mine.settled_s and other.settled_s else None,
-            _worst(mine.ee_error_mm),
-            _worst(mine.base_error_mm),
+            largest(mine.ee_error_mm.values()),
+            largest((mine.base_error_mm or {}).values()),
             mine.peak_acceleration_ratio,
             other.peak_acceleration_ratio,
         )
@@ -119,11 +118,6 @@ def _settled(measured: Measured, phase: int) -> float | None:
     """Return when a phase has settled [s], None where it has not or is not there."""
     phases: tuple[PhaseMetrics, ...] = measured.metrics.phases
     return phases[phase].settled_s if phase < len(phases) else None
-
-
-def _worst(values: PerRobot | None) -> float | None:
-    """Return the larger value of the robots."""
-    return max((value for value in (values or {}).values() if value is not None), default=None)
 
 
 EXPERIMENT = Experiment(
