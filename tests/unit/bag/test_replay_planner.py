@@ -14,9 +14,8 @@ from lexstack.mpc.sequence.runner import Change, SequenceRunner
 from lexstack.robots import Team
 from lexstack.state import RobotState
 from lexstack_bag.errors import BagError
-from lexstack_bag.replay.changes import Changes
+from lexstack_bag.replay.changes import Changes, Question
 from lexstack_bag.replay.planner import heard_plans, replay_planner
-from lexstack_bag.replay.question import Question
 from lexstack_bag.run.run import (
     Planning,
     PlanStream,

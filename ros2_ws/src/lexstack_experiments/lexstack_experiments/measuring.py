@@ -30,3 +30,9 @@ def after_last(marks: ArrayLike) -> int:
     """Return the place behind the last mark, 0 without any."""
     places = np.flatnonzero(marks)
     return int(places[-1]) + 1 if places.size else 0
+
+
+def p50_p99(times: ArrayLike) -> tuple[float, float]:
+    """Return the median and the 99th percentile."""
+    p50, p99 = np.percentile(times, (50.0, 99.0))
+    return float(p50), float(p99)

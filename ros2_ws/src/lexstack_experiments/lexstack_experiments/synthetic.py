@@ -7,8 +7,9 @@ idle, so the bag is as full as one can be. The motion is a sum of sines; it obey
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -89,16 +90,11 @@ class _Maker:
         rows = {name: np.zeros(n) for name in ("q", "v", "q_star", "command")}
         self._plant = self._pattern("lexstack_interfaces/msg/PlantState", rows, robots=names)
         box = {name: np.zeros(n) for name in ("chi", "lower", "upper")}
-        self._chi = self._by_stack(
-            lambda stack: self._pattern(
-                "lexstack_interfaces/msg/Chi",
-                box,
-                robots=names,
-                stack=stack,
-                slacks=np.array([1e-6, 0.2, 0.4]),
-                solve_time=3e-4,
-            )
-        )
+        told = {"robots": names, "slacks": np.array([1e-6, 0.2, 0.4]), "solve_time": 3e-4}
+        self._chi = {
+            stack: self._pattern("lexstack_interfaces/msg/Chi", box, stack=stack, **told)
+            for stack in self._stacks
+        }
         self._limits = self._team.limits.velocity
         self._clock = self._pattern("rosgraph_msgs/msg/Clock", {})
         self._tools = {
@@ -150,10 +146,6 @@ class _Maker:
         _put_stamp(data, tick * self._dt)
         return bytes(data)
 
-    def _by_stack(self, make: Callable[[str], _Pattern]) -> dict[str, _Pattern]:
-        """Return a pattern per stack."""
-        return {stack: make(stack) for stack in self._stacks}
-
     def _pattern(self, kind: str, vectors: dict[str, Vector], **fields: Any) -> _Pattern:
         """Return a message as a pattern, its vectors found by their content."""
         marked = {
@@ -178,16 +170,12 @@ def _serialized(kind: str, **fields: Any) -> bytearray:
     return bytearray(store.serialize_cdr(_filled(store, kind, fields), kind))
 
 
-_STORES: dict[str, Any] = {}
-
-
+@cache
 def _store(kind: str) -> Any:
     """Return a type store that knows a type and all that it needs."""
-    if kind not in _STORES:
-        store = get_typestore(Stores.EMPTY)
-        store.register(get_types_from_msg(message_definition(kind), kind))
-        _STORES[kind] = store
-    return _STORES[kind]
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(message_definition(kind), kind))
+    return store
 
 
 def _filled(store: Any, kind: str, given: dict[str, Any]) -> Any:

@@ -18,8 +18,8 @@ from lexstack.state import RobotState
 from lexstack.transition.sources.mpc_plans import HeardPlan
 from lexstack.types import Matrix, Vector
 from lexstack_bag.errors import BagError
+from lexstack_bag.replay.changes import Question
 from lexstack_bag.replay.outcome import Joint, Outcome, joints_of
-from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.states import Arrivals, States
 from lexstack_bag.run.run import Planning, PlanStream, Run, SequenceEvent
 

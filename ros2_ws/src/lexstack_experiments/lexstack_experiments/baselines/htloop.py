@@ -97,14 +97,13 @@ def follow_htmpc(
     *,
     preview: bool = True,
     around: Around | None = None,
-    watch: Callable[[Plan], None] = lambda _plan: None,
 ) -> Record:
-    """Follow tracks from rest at q, one solve per stage; ``watch`` sees every plan."""
+    """Follow tracks from rest at q, one solve per stage."""
 
     def wanted(now: float, _q: Vector) -> tuple[Objective, ...]:
         return objectives_of(tracks, now + optimiser.horizon.times, preview)
 
-    return _driven(optimiser, q, seconds, wanted, around, watch)
+    return _driven(optimiser, q, seconds, wanted, around)
 
 
 def follow_htidkc(
@@ -162,7 +161,6 @@ def _driven(
     seconds: float,
     wanted: Callable[[float, Vector], tuple[Objective, ...] | None],
     around: Around | None,
-    watch: Callable[[Plan], None] = lambda _plan: None,
 ) -> Record:
     """Return the loop from rest at q, by what is wanted at a time [s] and place; None ends it."""
     step, begin = optimiser.config.step, q
@@ -174,7 +172,6 @@ def _driven(
             break
         surroundings = None if around is None else around(now + optimiser.horizon.times[1:])
         plan = optimiser.solve(Start(now, q, v), objectives, plan, surroundings)
-        watch(plan)
         q, v = plan.q[1], plan.v[1]
         solves.append((now + step, q, v, plan))
     return Record.of(begin, solves)

@@ -13,10 +13,11 @@ import numpy as np
 
 from lexstack.config.htmpc import BarrierConfig, CollisionConfig, HtmpcConfig
 from lexstack.errors import InputError
+from lexstack.mpc import Objective, Surroundings
 from lexstack.mpc.symbolic import stage_function
 from lexstack.mpc.tracking_objectives import Kind
 from lexstack.robots import RobotModel
-from lexstack.types import Matrix
+from lexstack.types import Matrix, Vector
 
 ROWS: dict[Kind, int] = {"ee_position": 3, "base_position": 2, "base_pose": 3}
 """The kinds of tasks that are written here, and the length of their errors."""
@@ -87,6 +88,17 @@ def program(
     upkeep = smooth + far_barrier(config.collision, rooms) if rooms.numel() else smooth
     gaps = _gaps(x, u, start[: 2 * n], config.step)
     return Symbols(x, u, start, references, obstacles, gaps, errors, costs, upkeep, rooms, smooth)
+
+
+def parameters_of(
+    start: tuple[Vector, Vector, Vector],
+    objectives: tuple[Objective, ...],
+    around: Surroundings | None,
+    stages: int,
+) -> list[Matrix]:
+    """Return the values of start, obstacles and references in a program."""
+    centers = np.zeros((0, stages)) if around is None else around.centers.reshape(stages, -1).T
+    return [np.concatenate(start), centers, *(each.reference.T for each in objectives)]
 
 
 def _gaps(x: ca.MX, u: ca.MX, start: ca.MX, step: float) -> ca.MX:

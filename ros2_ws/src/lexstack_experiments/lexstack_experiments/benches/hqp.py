@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from lexstack.hqp import HqpSolver, make_solver
 from lexstack_experiments.experiment import Experiment, Options
-from lexstack_experiments.hierarchies.certificate import certified_excess
 from lexstack_experiments.hierarchies.peers import STRICT, WEIGHTED, Pink, installed
 from lexstack_experiments.hierarchies.recorded import Sequence, record
-from lexstack_experiments.measuring import no_collection
+from lexstack_experiments.hierarchies.score import Score
+from lexstack_experiments.measuring import no_collection, p50_p99
 from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 from lexstack_experiments.runs import scenario_of
 
@@ -157,27 +157,17 @@ def _timed(sequence: Sequence, solver: HqpSolver) -> NDArray[np.float64]:
 
 def _judge(sequence: Sequence, solver: HqpSolver) -> tuple[int, float, float]:
     """Return failures, largest excess and largest way out of the bounds; it warms up, too."""
-    failures, largest, outside, warm = 0, 0.0, 0.0, None
+    found, warm = Score(STRICT_WITHIN), None
     for problem in sequence.problems:
-        warm = solver.solve(problem, warm)
-        chi = warm.chi
-        if not (warm.solved and np.isfinite(chi).all()):
-            failures += 1
-            continue
-        lower, upper = problem.bounds.lower, problem.bounds.upper
-        outside = max(outside, float(np.max([lower - chi, chi - upper])))
-        excess = max(certified_excess(problem, np.minimum(np.maximum(chi, lower), upper)))
-        failures += excess > STRICT_WITHIN
-        largest = max(largest, excess)
-    return failures, largest, outside
+        warm = found.add(problem, solver, warm=warm)
+    return found.failures, found.excess, found.outside
 
 
 def _line(name: str, solver: str, found: Run) -> tuple[Cell, ...]:
     """Return a row of the table."""
     quiet = float(np.median(found.times.min(axis=0)))
-    p99 = float(np.percentile(found.times, 99))
     excess, outside = f"{found.excess:.1e}", f"{found.outside:.1e}"
-    return name, solver, found.failures, excess, outside, found.p50, p99, quiet
+    return name, solver, found.failures, excess, outside, *p50_p99(found.times), quiet
 
 
 def _figures(runs: dict[str, dict[str, Run]]) -> list[Figure]:

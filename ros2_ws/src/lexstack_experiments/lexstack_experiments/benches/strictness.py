@@ -17,6 +17,7 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.peers import STRICT, installed
 from lexstack_experiments.hierarchies.random_problems import SINGULAR, problems
 from lexstack_experiments.hierarchies.score import Score, score
+from lexstack_experiments.measuring import p50_p99
 from lexstack_experiments.results import Cell, Figure, Goal, Results, Table, zero
 
 NAME = "strictness"
@@ -64,9 +65,8 @@ def run(options: Options) -> Results:
 def _line(name: str, kind: str, part: Score) -> tuple[Cell, ...]:
     """Return a row of the table."""
     times = _US * np.array(part.times or [np.nan])
-    p50, p99 = (float(np.percentile(times, q)) for q in (50, 99))
     excess, outside = f"{part.excess:.1e}", f"{max(part.outside, 0.0):.1e}"
-    return name, kind, len(part.times), part.failures, excess, outside, p50, p99
+    return name, kind, len(part.times), part.failures, excess, outside, *p50_p99(times)
 
 
 def _figures(scores: dict[str, Score]) -> list[Figure]:

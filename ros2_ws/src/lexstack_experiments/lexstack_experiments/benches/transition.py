@@ -18,6 +18,7 @@ from lexstack.control.factory import Parts, build_controller
 from lexstack.limits.viable_bounds import viable_bounds
 from lexstack.types import Vector
 from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.measuring import p50_p99
 from lexstack_experiments.probes import Stopwatch, counting_controller, timed_parts
 from lexstack_experiments.replay import Tape
 from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
@@ -89,9 +90,9 @@ def _figures(every: NDArray[np.float64], rows: list[Row]) -> list[Figure]:
 
 def _line(name: tuple[str, str], times: NDArray[np.float64], unit: float) -> tuple[Cell, ...]:
     """Return a row of the main table; ``times`` of shape (passes, ticks) [us]."""
-    middle = float(np.median(times))
+    middle, p99 = p50_p99(times)
     quiet = float(np.median(times.min(axis=0)))
-    return (*name, times.shape[1], middle, float(np.percentile(times, 99)), quiet, middle / unit)
+    return (*name, times.shape[1], middle, p99, quiet, middle / unit)
 
 
 def _same(difference: float) -> Figure:

@@ -22,7 +22,7 @@ from lexstack.types import Vector
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
-from lexstack_experiments.measuring import no_collection
+from lexstack_experiments.measuring import no_collection, p50_p99
 from lexstack_experiments.pictures import picture
 from lexstack_experiments.remote import RemoteB
 from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
@@ -156,8 +156,7 @@ def _rows(one: Times, two: Times, behind: Times, rate: float) -> list[tuple[Cell
 
     def row(name: str, times: Vector, cpu: Vector | None) -> tuple[Cell, ...]:
         share = None if cpu is None else 100.0 * rate * float(np.mean(cpu))
-        p50, p99 = (_US * float(np.percentile(times, percent)) for percent in (50, 99))
-        return (name, p50, p99, share)
+        return (name, *p50_p99(_US * times), share)
 
     return [
         row("dt_A, own process", two.a, two.cpu),

@@ -15,7 +15,7 @@ from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.oracle import level_excess
 from lexstack_experiments.probes import counting_controller
-from lexstack_experiments.runs import Measured, with_method
+from lexstack_experiments.runs import analysed, with_method
 
 Mask = NDArray[np.bool_]
 _AFTER = 0.5  # s
@@ -82,7 +82,7 @@ class Play:
             self.loop.step()
             levels.append(tally.levels)
         self.qps: Vector = np.diff(levels).astype(np.float64)
-        self.measured = Measured.of(self.loop)
+        self.measured = analysed(self.loop)
 
     def figures(self, row: Row, still: Play) -> MethodFigures:
         """Return a row's figures; ``still`` is the same case without any switch."""

@@ -52,8 +52,8 @@ def run_experiment(options: Options) -> Results:
             rng = np.random.default_rng([options.seed, place, number])
             beyond = out_of_reach(kind, rng, team, home)
             within = within_reach(kind, rng, team, home)
-            outside += [_outside(resolved, beyond, law) for law in LAWS]
-            inside += [_inside(resolved, within, law) for law in LAWS]
+            outside += [_outcome(resolved, beyond, law, within=False) for law in LAWS]
+            inside += [_outcome(resolved, within, law, within=True) for law in LAWS]
         options.say(f"{kind}: {options.cases} targets out of reach, as many within")
     rows = [*_rows(outside, "out of reach"), *_rows(inside, "within reach")]
     return options.results(
@@ -64,18 +64,12 @@ def run_experiment(options: Options) -> Results:
     )
 
 
-def _outside(resolved: ResolvedScenario, case: Case, law: str) -> Outcome:
-    """Return what became of a target out of reach."""
-    motion: Motion = run(resolved, case, law, SECONDS)
-    signs, gap = motion.sign_changes(_TAIL), motion.excess()
-    return Outcome(case.kind, law, motion.rest_after(), signs, gap, None)
-
-
-def _inside(resolved: ResolvedScenario, case: Case, law: str) -> Outcome:
-    """Return what became of a target within reach."""
+def _outcome(resolved: ResolvedScenario, case: Case, law: str, *, within: bool) -> Outcome:
+    """Return what became of a target within reach, or of one out of it."""
     motion: Motion = run(resolved, case, law, SECONDS)
     rest, signs = motion.rest_after(), motion.sign_changes(_TAIL)
-    return Outcome(case.kind, law, rest, signs, 0.0, motion.reached_after())
+    gap = 0.0 if within else motion.excess()
+    return Outcome(case.kind, law, rest, signs, gap, motion.reached_after() if within else None)
 
 
 def _rest_figures(outcomes: list[Outcome]) -> list[Figure]:

@@ -13,12 +13,11 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.sudden_limits_cases import NAME, Case, cases, laws
 from lexstack_experiments.experiments.sudden_limits_pictures import draw
 from lexstack_experiments.experiments.sudden_limits_runs import LimitFigures, Play
-from lexstack_experiments.results import Figure, Goal, Peer, Results, Table, zero
+from lexstack_experiments.results import AT_MOST_ONE, Figure, Goal, Peer, Results, Table, zero
 from lexstack_experiments.runs import never_switched
 
 OURS = "ours"
 CASES = 6
-_AT_MOST_ONE = Goal("<=", 1.0, 1e-6)  # of a ratio that meets its limit exactly
 
 _COLUMNS = (
     "case", "law", "empty", "acc. ratio", "jerk ratio", "vel. ratio", "outside s", "least s",
@@ -88,8 +87,8 @@ def _figures(rows: Rows) -> list[Figure]:
             title, max(f.empty for f in ours), "", Goal("==", 0.0), "infeasible without", empty[0]
         ),
         *(Figure(f"{title}, beside {peer.name}", None, peer=peer) for peer in empty[1:]),
-        Figure("Peak acceleration / limit", max(f.acceleration for f in ours), "", _AT_MOST_ONE),
-        Figure(within, max(soft) if soft else None, "", _AT_MOST_ONE),
+        Figure("Peak acceleration / limit", max(f.acceleration for f in ours), "", AT_MOST_ONE),
+        Figure(within, max(soft) if soft else None, "", AT_MOST_ONE),
         zero("Ticks later inside than the limits allow", _most(late)),
         zero("Outside later than need be", 1e3 * max(f.violation for f in ours), "mrad"),
     ]
