@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from lexstack.robots import ARM, RobotModel, Team
 from lexstack_config.plant import PlantConfig
-from lexstack_sim.world import body_name, joint_name
+from lexstack_sim.world import body_name, joint_name, wxyz
 
 # MuJoCo's friction creeps under a steady load; this near to 1 it hardly does.
 _STICTION = 0.9999
@@ -39,8 +39,7 @@ def _add_payload(world: mujoco.MjModel, robot: RobotModel, mass: float) -> None:
     moments, axes = np.linalg.eigh(total.inertia)
     if np.linalg.det(axes) < 0.0:
         axes[:, 0] *= -1.0
-    x, y, z, w = pin.Quaternion(axes).coeffs()
     world.body_mass[body] = total.mass
     world.body_ipos[body] = total.lever
-    world.body_iquat[body] = w, x, y, z
+    world.body_iquat[body] = wxyz(axes)
     world.body_inertia[body] = moments

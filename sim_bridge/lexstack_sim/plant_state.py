@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 
 from lexstack.errors import LexstackError
+from lexstack.types import PlantStatus as Status
 from lexstack.types import Vector
 from lexstack_sim import sensors
 from lexstack_sim.wrench import Wrench
 
+__all__ = ["Counters", "Memory", "PlantError", "Snapshot", "Status"]
+
 
 class PlantError(LexstackError):
     """The simulation itself went wrong."""
-
-
-class Status(IntEnum):
-    """What the plant did in its last tick; the numbers of ``PlantState.status``."""
-
-    FOLLOWING = 0  # executed the command of the tick
-    HOLDING = 1  # no command came: kept the one before
-    BRAKING = 2  # no command for the watchdog's time: slows all joints down within their limits
-    PAUSED = 3  # simulated time stands still
 
 
 @dataclass(slots=True)

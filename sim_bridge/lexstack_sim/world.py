@@ -110,7 +110,7 @@ def _add_bodies(spec: mujoco.MjSpec, robot: RobotModel) -> dict[int, mujoco.MjsB
         root = model.parents[massless[0]] if massless else parent
         place = model.jointPlacements[massless[0] if massless else joint]
         body = bodies[root].add_body(
-            name=body_name(robot, joint), pos=place.translation, quat=_wxyz(place.rotation)
+            name=body_name(robot, joint), pos=place.translation, quat=wxyz(place.rotation)
         )
         for each in (*massless, joint):
             _add_joint(body, robot, each)
@@ -185,7 +185,7 @@ def _check_order(model: mujoco.MjModel, team: Team) -> None:
         raise ModelError(f"the world's joints {joints} are not chi's: {names}")
 
 
-def _wxyz(rotation: Vector) -> Vector:
+def wxyz(rotation: Vector) -> Vector:
     """Return a rotation matrix as a quaternion in MuJoCo's order."""
     x, y, z, w = pin.Quaternion(rotation).coeffs()
     return np.array([w, x, y, z])

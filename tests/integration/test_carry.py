@@ -8,7 +8,7 @@ from lexstack.transition import Phase
 from lexstack_config.parts import build_references
 from lexstack_config.resolved import load_scenario
 from lexstack_experiments.loop import Loop, targets_of
-from lexstack_experiments.runs import Measured
+from lexstack_experiments.runs import analysed
 from support.scenario import CONFIG
 
 HOLD = 6.0  # s, the switch to carry
@@ -68,7 +68,7 @@ def test_the_object_stays_in_both_hands_from_the_hold_to_the_end(errors):
 
 def test_the_figures_of_the_run_say_so(run, errors):
     """As ``metrics.json`` states it, phase by phase."""
-    phases = {phase.stack: phase for phase in Measured.of(run).metrics.phases}
+    phases = {phase.stack: phase for phase in analysed(run).metrics.phases}
     for stack, start, end in (("carry", HOLD, SWITCH), ("carry_base", SWITCH, np.inf)):
         linear, angular, _ = 1e3 * peak(errors, start, end)
         assert phases[stack].relative_peak_error_mm["robot_a"] == pytest.approx(linear)

@@ -11,7 +11,7 @@ from lexstack_config.reader import build
 from lexstack_config.resolved import load_scenario
 from lexstack_config.scenario import EventConfig
 from lexstack_experiments.ideal import IdealPlant
-from lexstack_experiments.planned_loop import PlannedLoop
+from support.planned_loop import PlannedLoop
 from support.scenario import CONFIG, ROOT
 
 GOAL = np.array([0.8, 0.3, 1.0])  # m

@@ -9,7 +9,7 @@ import pytest
 from lexstack.transition import Source
 from lexstack_config.resolved import load_scenario
 from lexstack_experiments.ideal import IdealPlant
-from lexstack_experiments.planned_loop import PlannedLoop
+from support.planned_loop import PlannedLoop
 from support.scenario import CONFIG
 
 MINE = slice(0, 10)  # robot A's own joints; the other robot does something else

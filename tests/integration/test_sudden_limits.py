@@ -11,8 +11,8 @@ from lexstack_bag.figures.limits import limits_in_force
 from lexstack_bag.figures.series import COMMANDER
 from lexstack_experiments.experiments.sudden_limits_cases import cases, laws
 from lexstack_experiments.experiments.sudden_limits_least import least_ticks
-from lexstack_experiments.experiments.sudden_limits_runs import Play, never_switched
-from lexstack_experiments.runs import Measured, changed
+from lexstack_experiments.experiments.sudden_limits_runs import Play
+from lexstack_experiments.runs import analysed, changed, never_switched
 from support.scenario import CONFIG
 
 ALL = {case.name: case for case in cases(CONFIG, 0)}
@@ -50,7 +50,7 @@ def test_the_printed_boxes_are_empty(law):
 @pytest.mark.parametrize("name", ["in motion", "slower joints too", "pre-empted", "jerk limits"])
 def test_the_analysis_finds_the_limits_that_were_in_force(name):
     play = played(name)
-    measured = Measured.of(play.loop)
+    measured = analysed(play.loop)
     found = limits_in_force(measured.run, play.loop.parts.team, COMMANDER)
     assert len(found) == len(play.law.limits)
     for mine, theirs in zip(found, play.law.limits, strict=True):
@@ -93,7 +93,7 @@ def test_each_robot_has_the_limits_of_its_own_stack():
     before, after = play.law.limits[second - 1], play.law.limits[-1]
     np.testing.assert_array_equal(before.position_lower[other], own.position_lower[other])
     np.testing.assert_array_equal(after.position_lower, play.new.position_lower)
-    measured = Measured.of(play.loop)
+    measured = analysed(play.loop)
     found = limits_in_force(measured.run, play.loop.parts.team, COMMANDER)
     for mine, theirs in zip(found, play.law.limits, strict=True):
         for field in ("position_lower", "position_upper", "velocity", "acceleration"):
@@ -106,7 +106,7 @@ def test_smaller_accelerations_count_once_they_are_in_force():
     case = replace(ALL["slower joints too"], resolved=ALL["in motion"].resolved)
     careless = Play(case, laws(case)[0])
     careless.loop.resolved = play.loop.resolved
-    assert Measured.of(careless.loop).metrics.peak_acceleration_ratio > 1.5
+    assert analysed(careless.loop).metrics.peak_acceleration_ratio > 1.5
 
 
 # ---- the least time

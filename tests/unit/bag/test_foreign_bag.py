@@ -11,10 +11,10 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from lexstack_bag.commands.analyze import analyze, main
 from lexstack_bag.commands.replay import replay
 from lexstack_bag.replay.changes import Changes
-from lexstack_bag.run.provenance import SCENARIO
 from lexstack_bag.run.reader import read_facts, read_run
 from lexstack_bag.storage.container import Container, find_files
 from lexstack_bag.storage.definitions import message_definition
+from lexstack_bag.topics import SCENARIO
 
 STRING = "std_msgs/msg/String"
 

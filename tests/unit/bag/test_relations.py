@@ -13,7 +13,7 @@ from lexstack_config.resolved import load_scenario
 from lexstack_config.scenario import PoseConfig
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
-from lexstack_experiments.runs import Measured, changed
+from lexstack_experiments.runs import analysed, changed
 from support.scenario import CONFIG
 
 
@@ -35,7 +35,7 @@ def measured(name, seconds, stack, plant=None, **values):
     if plant is not None:
         loop.plant = plant(resolved, loop.parts.team)
     loop.run()
-    return loop, Measured.of(loop)
+    return loop, analysed(loop)
 
 
 def pose(position, rotation):

@@ -11,9 +11,8 @@ import pytest
 from lexstack.mpc import HT_ARCH, Change, SequenceRunner, SequenceTask
 from lexstack.types import RobotState
 from lexstack_bag.errors import BagError
-from lexstack_bag.replay.changes import Changes
+from lexstack_bag.replay.changes import Changes, Question
 from lexstack_bag.replay.planner import heard_plans, replay_planner
-from lexstack_bag.replay.question import Question
 from lexstack_bag.run.run import (
     Planning,
     PlanStream,

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from lexstack_bag.figures.compare import compare_metrics
-from lexstack_bag.figures.figures import compute_metrics
+from lexstack_bag.figures.figures import Analysis, compute_metrics
 from lexstack_bag.figures.phases import find_phases
-from lexstack_bag.figures.series import measure
-from lexstack_bag.report.comparison import Side, write_comparison
+from lexstack_bag.report.comparison import write_comparison
 from lexstack_bag.run.reader import read_run
 from support.browser import Browser
 
@@ -22,7 +21,7 @@ LATER = 0.4  # s, by which the second run's trigger is later
 
 
 def side(run):
-    return Side(run, measure(run), find_phases(run))
+    return Analysis.of(run)
 
 
 def later(run):

@@ -13,19 +13,19 @@ import pytest
 from lexstack.tasks import LevelConfig, StackConfig, TaskConfig
 from lexstack.transition import TransitionConfig
 from lexstack_bag.figures.compare import compare_metrics
-from lexstack_bag.figures.figures import compute_metrics
+from lexstack_bag.figures.figures import Analysis, compute_metrics
 from lexstack_bag.figures.goals import goals_of, held_back, summary_lines
 from lexstack_bag.figures.phases import find_phases
 from lexstack_bag.figures.relative_errors import TITLES
 from lexstack_bag.figures.series import measure
 from lexstack_bag.report.build import write_report
-from lexstack_bag.report.comparison import Side, write_comparison
+from lexstack_bag.report.comparison import write_comparison
 from lexstack_bag.report.layout import marks
 from lexstack_bag.report.tables import phases_table
 from lexstack_bag.report.traces import BLUE, VERMILLION
 from lexstack_bag.run.reader import read_run
 from lexstack_bag.run.sequences import sequences_of
-from lexstack_experiments.runs import Measured
+from lexstack_experiments.runs import analysed
 from lexstack_sim.visuals import TINTS
 from support.browser import Browser
 from support.channels import loop
@@ -48,7 +48,7 @@ def cancelled():
     run.run(20)
     assert run.controller.transition.cancel().accepted
     run.run(100)
-    return Measured.of(run)
+    return analysed(run)
 
 
 def test_a_switch_that_was_cancelled_on_request_is_no_missed_goal(cancelled):
@@ -68,7 +68,7 @@ def test_a_switch_that_another_one_replaced_says_so():
     run.run(20)
     run.controller.transition.ask("posture", 0.0, "", 0)
     run.run(80)
-    assert [phase.outcome for phase in Measured.of(run).phases] == ["", "replaced", "adopted"]
+    assert [phase.outcome for phase in analysed(run).phases] == ["", "replaced", "adopted"]
 
 
 def test_a_sequence_that_was_cancelled_on_request_is_no_missed_goal(synthetic):
@@ -115,7 +115,7 @@ def held():
     scenario = replace(base.scenario, events=(), initial_stack="wide", name="held")
     run = Loop(replace(base, scenario=scenario, stacks=base.stacks | {"wide": wide}))
     run.run(120)
-    return Measured.of(run)
+    return analysed(run)
 
 
 def test_every_task_has_a_figure_also_posture_and_those_without_an_error_in_mm(held):
@@ -164,7 +164,7 @@ def apart():
     run = loop(transition=TransitionConfig(duration=0.4))
     run.controller.transition.ask("posture_robot_b", 0.0, "", 2)
     run.run(100)
-    return Measured.of(run)
+    return analysed(run)
 
 
 def test_a_phase_of_some_robots_bears_their_names_everywhere(apart):
@@ -185,9 +185,9 @@ def report(synthetic, tmp_path_factory):
     run = read_run(synthetic.folder)
     measures, phases = measure(run), find_phases(run)
     write_report(path, run, measures, phases, compute_metrics(run, measures, phases))
-    side = Side(run, measures, phases)
-    metrics = compute_metrics(run, measures, phases)
-    write_comparison(path.with_name("two.html"), (side, side), compare_metrics(metrics, metrics))
+    side = Analysis.of(run)
+    both = compare_metrics(side.metrics, side.metrics)
+    write_comparison(path.with_name("two.html"), (side, side), both)
     patch.undo()
     return path
 

@@ -11,7 +11,7 @@ import pytest
 
 from lexstack_bag.commands.analyze import analyze
 from lexstack_bag.figures.compare import compare_metrics
-from lexstack_bag.figures.figures import compute_metrics
+from lexstack_bag.figures.figures import Analysis, compute_metrics
 from lexstack_bag.figures.goals import goals_of, summary_lines
 from lexstack_bag.figures.phases import find_phases
 from lexstack_bag.figures.series import measure
@@ -146,13 +146,13 @@ def test_bands_are_seen_in_a_browser(braked_report):
 
 
 def test_a_comparison_shows_the_bands_of_both_and_says_what_was_wrong(braked, synthetic, tmp_path):
-    from lexstack_bag.report.comparison import Side, write_comparison
+    from lexstack_bag.report.comparison import write_comparison
 
     sides, metrics = [], []
     for folder in (synthetic.folder, braked):
         run = read_run(folder)
-        sides.append(Side(run, measure(run), find_phases(run)))
-        metrics.append(compute_metrics(run, sides[-1].measures, sides[-1].phases))
+        sides.append(Analysis.of(run))
+        metrics.append(sides[-1].metrics)
     path = tmp_path / "comparison.html"
     write_comparison(path, tuple(sides), compare_metrics(*metrics))
     for figure in figures(path).values():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from lexstack.types import PlantStatus
 from lexstack_experiments.experiments.fault_checks import (
     first_told,
     out_of_order,
@@ -10,16 +11,10 @@ from lexstack_experiments.experiments.fault_checks import (
     peak_acceleration,
     split,
 )
-from lexstack_experiments.experiments.fault_records import (
-    BRAKING,
-    FOLLOWING,
-    PAUSED,
-    Record,
-    Solved,
-    State,
-    Told,
-)
+from lexstack_experiments.experiments.fault_records import Record, Solved, State, Told
 from support.scenario import team
+
+FOLLOWING, _, BRAKING, PAUSED = PlantStatus
 
 S = 1_000_000_000  # ns
 LIMITS = team().limits

@@ -5,8 +5,8 @@ import pytest
 
 from lexstack.errors import InputError
 from lexstack.mpc import MEASURES, Objective, StageModel, Task
-from lexstack.mpc.rotations import from_quaternions, log3_all, log_slopes
 from lexstack.robots import from_quaternion, log3, to_quaternion
+from lexstack.robots.spatial import from_quaternions, log3_all, log_slopes
 from support.htmpc import config, robot
 
 STAGES = config().horizon

@@ -5,8 +5,8 @@ import pytest
 
 from lexstack.errors import InputError
 from lexstack.mpc import Trajectory, base_path, ee_path, hold, steps
-from lexstack.mpc.rotations import from_quaternions, log3_all
 from lexstack.robots import to_quaternion
+from lexstack.robots.spatial import from_quaternions, log3_all
 
 
 def test_a_base_line_keeps_its_speed_and_turns_the_short_way():

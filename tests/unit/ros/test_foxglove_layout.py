@@ -11,7 +11,7 @@ import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from lexstack_bag.storage.definitions import message_definition
-from lexstack_ros.recorder.topics import contract_topics
+from lexstack_bag.topics import contract_topics
 
 LAYOUT = Path(__file__).parents[3] / "config/foxglove/lexstack.json"
 TOPICS = contract_topics(("robot_a", "robot_b"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,15 @@ Vector = NDArray[np.float64]
 """An array of one dimension."""
 Matrix = NDArray[np.float64]
 """An array of two dimensions."""
+
+
+class PlantStatus(IntEnum):
+    """What a plant did in its last tick: ``status`` of ``PlantState``."""
+
+    FOLLOWING = 0  # executed the command of the tick
+    HOLDING = 1  # no command came: kept the one before
+    BRAKING = 2  # no command for the watchdog's time: slows all joints down within their limits
+    PAUSED = 3  # simulated time stands still
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import TextIO
 
 _WIDTH = 30
 _PERIOD = 0.1  # s between two drawings
@@ -13,10 +12,10 @@ _PERIOD = 0.1  # s between two drawings
 class ProgressBar:
     """Call it with how much is done, from 0 to 1; it ends by itself at 1, once."""
 
-    def __init__(self, what: str, stream: TextIO | None = None) -> None:
-        """Say ``what`` is done; ``stream``: default the standard error output."""
+    def __init__(self, what: str) -> None:
+        """Say ``what`` is done, on the standard error output."""
         self._what = what
-        self._stream = sys.stderr if stream is None else stream
+        self._stream = sys.stderr
         self._drawn = 0.0
         self._begun = time.monotonic()
         self._ended = False

@@ -20,12 +20,12 @@ from std_srvs.srv import Trigger
 from lexstack_bag.errors import BagError
 from lexstack_bag.replay.outcome import Outcome, joints_of
 from lexstack_bag.replay.requests import Ask, Cancel
-from lexstack_bag.run.reader import PLANT_STATE
 from lexstack_bag.run.run import Run
 from lexstack_bag.storage.container import Container, RawMessage
 from lexstack_bag.storage.decoder import Decoder
 from lexstack_bag.storage.definitions import type_hash
 from lexstack_bag.storage.selection import Selection
+from lexstack_bag.topics import COMMAND, PLANT_STATE, REQUEST, SCENARIO, SOLUTION, TRANSITION
 from lexstack_interfaces.msg import Chi, PlantState
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.messages.qos import LATCHED, STREAM
@@ -58,10 +58,10 @@ class LiveNode:
 LIVE: dict[str, LiveNode] = {
     "robot_a": LiveNode(
         "hqp_controller",
-        ("/robot_a/chi", "/robot_a/transition", "/robot_a/stack_request", "/robot_a/scenario"),
+        (COMMAND, TRANSITION, REQUEST, SCENARIO),
         "lexstack_ros.controller.node",
     ),
-    "robot_b": LiveNode("stack_solver", ("/robot_b/chi",), "lexstack_ros.solver.node"),
+    "robot_b": LiveNode("stack_solver", (SOLUTION,), "lexstack_ros.solver.node"),
 }
 """By the name in the node's topic, as in lexstack_bag.replay.nodes.REPLAYERS."""
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from lexstack_experiments.results import Results
+from lexstack_experiments.results import Figure, Results, Table
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +29,19 @@ class Options:
     cases: int
     say: Callable[[str], None] = lambda _line: None
     seconds: float = 0.0
+
+    def results(
+        self,
+        name: str,
+        figures: Iterable[Figure],
+        tables: Table | Iterable[Table] = (),
+        setup: Mapping[str, Any] | None = None,
+        notes: tuple[str, ...] = (),
+    ) -> Results:
+        """Return what an experiment of this name has found, with the seed and the cases."""
+        listed = (tables,) if isinstance(tables, Table) else tuple(tables)
+        given = (tuple(figures), listed, dict(setup or {}), notes)
+        return Results(name, self.seed, self.cases, *given)
 
 
 @dataclass(frozen=True, slots=True)

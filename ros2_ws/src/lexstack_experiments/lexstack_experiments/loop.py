@@ -85,7 +85,9 @@ class Loop:
         self.ask_b: AskB = self._ask_b
         self.link: Link = lambda sample: sample
         for event in resolved.scenario.events:
-            self._schedule_event(event)
+            for target in targets_of(event, self.parts.team):
+                self.add_target(target)
+            ask_switch(self.controller, event, resolved.scenario.rate)
 
     def run(self, ticks: int | None = None) -> Record:
         """Run for a number of ticks, by default the whole scenario, and return the record."""
@@ -138,14 +140,6 @@ class Loop:
             chi[part] = solution.chi[part]
         return sample_of(wanted, state.tick, solution, references.revision)
 
-    def _schedule_event(self, event: EventConfig) -> None:
-        """Hand an event of the scenario to those whom it concerns."""
-        for target in targets_of(event, self.parts.team):
-            self.add_target(target)
-        if event.switch:
-            tick = round(event.at * self.resolved.scenario.rate)
-            self.controller.transition.ask(event.switch, event.duration, "", tick, event.robots)
-
 
 def sample_of(
     wanted: Announcement, tick: int, solution: Solution, revision: int | None = None
@@ -166,3 +160,10 @@ def targets_of(event: EventConfig, team: Team) -> list[Target]:
         for name, base in event.base_target.items()
     ]
     return poses + bases
+
+
+def ask_switch(controller: Controller, event: EventConfig, rate: float) -> None:
+    """Ask robot A for an event's switch, if it has one; ``rate`` in ticks per second."""
+    if event.switch:
+        tick = round(event.at * rate)
+        controller.transition.ask(event.switch, event.duration, "", tick, event.robots)

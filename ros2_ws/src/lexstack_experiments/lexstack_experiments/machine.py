@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import platform
-import subprocess
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
+
+from lexstack_bag.run.provenance import UNKNOWN, installed_version, source_commit
 
 _PACKAGES = ("numpy", "scipy", "pin", "daqp", "proxsuite", "mujoco")
 
@@ -31,30 +30,12 @@ class Machine:
             processor=platform.machine(),
             system=platform.system(),
             python=platform.python_version(),
-            versions={name: _version(name) for name in _PACKAGES},
+            versions={name: installed_version(name) for name in _PACKAGES},
         )
-
-
-def _version(package: str) -> str:
-    """Return the version of an installed package, or that there is none."""
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "not installed"
 
 
 @cache
 def commit_here() -> str:
     """Return the commit of this source, with a plus sign where files differ; '' without git."""
-    git = ["git", "-C", str(Path(__file__).resolve().parent)]
-    try:
-        commit = _told([*git, "rev-parse", "--short=10", "HEAD"])
-        return commit + "+" * bool(_told([*git, "status", "--porcelain", "-uno"]))
-    except (OSError, subprocess.CalledProcessError):
-        return ""
-
-
-def _told(command: list[str]) -> str:
-    """Return what a command prints."""
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return done.stdout.strip()
+    commit = source_commit()
+    return "" if commit == UNKNOWN else commit[:10] + "+" * commit.endswith("+")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -62,3 +62,18 @@ def legend_beside(axes: Axes) -> None:
 def few_ticks(axes: Axes) -> None:
     """Leave at most five numbers on the vertical axis."""
     axes.yaxis.set_major_locator(MaxNLocator(5))
+
+
+def share_height(panels: Sequence[Axes]) -> None:
+    """Give all panels the limits of the vertical axis that show what is in any of them."""
+    low = min(panel.get_ylim()[0] for panel in panels)
+    high = max(panel.get_ylim()[1] for panel in panels)
+    for panel in panels:
+        panel.set_ylim(low, high)
+
+
+def from_above(panel: Axes) -> None:
+    """Make a panel a map of the floor, to scale."""
+    panel.set_aspect("equal")
+    panel.set_xlabel("x [m]")
+    panel.set_ylabel("y [m]")

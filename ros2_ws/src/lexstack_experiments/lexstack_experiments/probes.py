@@ -31,22 +31,26 @@ class Tally:
     levels: int = 0
     seconds: float = 0.0
 
+    def count(self, problem: HqpProblem, solution: Solution) -> None:
+        """Count a hierarchy that was solved."""
+        self.problems += 1
+        self.levels += len(problem.levels)
+        self.seconds += solution.solve_time
 
-class CountingSolver:
-    """A solver that counts; several may share a tally."""
 
-    def __init__(self, inner: HqpSolver, tally: Tally) -> None:
-        """Count what ``inner`` solves."""
+class WatchedSolver:
+    """A solver that says what it solves."""
+
+    def __init__(self, inner: HqpSolver, say: Callable[[HqpProblem, Solution], object]) -> None:
+        """Tell ``say`` of all that ``inner`` solves."""
         self.name = inner.name
         self._inner = inner
-        self._tally = tally
+        self._say = say
 
     def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
         """Solve as the solver inside does."""
         solution = self._inner.solve(problem, warm)
-        self._tally.problems += 1
-        self._tally.levels += len(problem.levels)
-        self._tally.seconds += solution.solve_time
+        self._say(problem, solution)
         return solution
 
 
@@ -61,8 +65,8 @@ def counting_controller(
     """
     parts, tally = parts or Parts.of(resolved), Tally()
 
-    def solver() -> CountingSolver:
-        return CountingSolver(make_solver(resolved.scenario.solver), tally)
+    def solver() -> WatchedSolver:
+        return WatchedSolver(make_solver(resolved.scenario.solver), tally.count)
 
     return build_controller(resolved, parts, solver), tally
 

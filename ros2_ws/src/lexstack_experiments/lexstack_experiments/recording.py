@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import dataclasses
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lexstack.control import Command
 from lexstack.references import Target as ScheduledTarget
@@ -23,6 +23,9 @@ from lexstack_bag.run.run import (
     read_only,
 )
 from lexstack_experiments.loop import Loop
+
+T = TypeVar("T", PlantStream, ChiStream, TransitionStream)
+_KINDS = {"Integers": np.int64, "Strings": np.str_, "Names": np.str_}
 
 
 def recorded(loop: Loop) -> Run:
@@ -45,57 +48,47 @@ def recorded(loop: Loop) -> Run:
 def _plant(loop: Loop) -> PlantStream:
     """Return the plant's states."""
     states = loop.record.states
-    none = np.zeros(len(states), dtype=np.int64)
-    return PlantStream(
-        tick=_column((state.tick for state in states), np.int64),
-        stamp=_column((state.stamp for state in states), np.float64),
-        q=_column((state.q for state in states), np.float64),
-        v=_column((state.v for state in states), np.float64),
-        q_star=_column((state.q_star for state in states), np.float64),
-        command=_column((state.command for state in states), np.float64),
-        status=none,
-        late_ticks=none,
-        missing_ticks=none,
-    )
+    none = [0] * len(states)
+    return _stream(PlantStream, states, status=none, late_ticks=none, missing_ticks=none)
 
 
 def _chi(commands: list[Command]) -> ChiStream:
     """Return robot A's commands."""
-    return ChiStream(
-        tick=_column((command.tick for command in commands), np.int64),
-        stamp=_column((command.stamp for command in commands), np.float64),
-        stack=_column((command.stack for command in commands), np.str_),
-        transition_id=_column((_newest(command) for command in commands), np.int64),
-        chi=_column((command.chi for command in commands), np.float64),
-        lower=_column((command.bounds.lower for command in commands), np.float64),
-        upper=_column((command.bounds.upper for command in commands), np.float64),
+    return _stream(
+        ChiStream,
+        commands,
+        transition_id=[max(state.id for state in c.transitions) for c in commands],
+        lower=[command.bounds.lower for command in commands],
+        upper=[command.bounds.upper for command in commands],
         slacks=_ragged([command.slacks for command in commands]),
-        status=_column((_status(command) for command in commands), np.int64),
-        empty_bounds=_column((command.bounds.empty for command in commands), np.int64),
-        solve_time=_column((command.solve_time for command in commands), np.float64),
-        reason=_column((command.fallback for command in commands), np.str_),
+        status=[SolveStatus.FALLBACK if c.fallback else SolveStatus.SOLVED for c in commands],
+        empty_bounds=[command.bounds.empty for command in commands],
+        reason=[command.fallback for command in commands],
     )
 
 
 def _transition(commands: list[Command]) -> TransitionStream:
     """Return where the transition stood."""
     pairs = [(command, state) for command in commands for state in command.transitions]
-    told = [state for _, state in pairs]
-    return TransitionStream(
-        tick=_column((command.tick for command, _ in pairs), np.int64),
-        stamp=_column((command.stamp for command, _ in pairs), np.float64),
-        id=_column((state.id for state in told), np.int64),
-        from_stack=_column((state.from_stack for state in told), np.str_),
-        to_stack=_column((state.to_stack for state in told), np.str_),
-        source=_column((state.source.value for state in told), np.str_),
-        method=_column((state.method for state in told), np.str_),
-        phase=_column((state.phase.value for state in told), np.int64),
-        alpha=_column((state.alpha for state in told), np.float64),
-        duration=_column((state.duration for state in told), np.float64),
-        gap=_column((state.gap for state in told), np.float64),
-        reason=_column((state.reason for state in told), np.str_),
-        robots=_column((" ".join(state.robots) for state in told), np.str_),
+    return _stream(
+        TransitionStream,
+        [state for _, state in pairs],
+        tick=[command.tick for command, _ in pairs],
+        stamp=[command.stamp for command, _ in pairs],
+        source=[state.source.value for _, state in pairs],
+        robots=[" ".join(state.robots) for _, state in pairs],
     )
+
+
+def _stream(kind: type[T], rows: Sequence[Any], **columns: Any) -> T:
+    """Return a stream with these columns, and the rows' attributes of the others' names."""
+    for field in dataclasses.fields(kind):
+        if field.name not in columns and field.default_factory is dataclasses.MISSING:
+            columns[field.name] = [getattr(row, field.name) for row in rows]
+    kinds = {
+        field.name: _KINDS.get(str(field.type), np.float64) for field in dataclasses.fields(kind)
+    }
+    return kind(**{n: read_only(np.array(v, dtype=kinds[n])) for n, v in columns.items()})
 
 
 def _targets(target: ScheduledTarget, team: Team) -> Iterable[Target]:
@@ -110,24 +103,9 @@ def _targets(target: ScheduledTarget, team: Team) -> Iterable[Target]:
         yield Target(name, "base", target.at, np.array([x, y, 0.0]), half)
 
 
-def _newest(command: Command) -> int:
-    """Return the id of the newest of a command's transitions."""
-    return max(state.id for state in command.transitions)
-
-
-def _status(command: Command) -> SolveStatus:
-    """Return how a command came about."""
-    return SolveStatus.FALLBACK if command.fallback else SolveStatus.SOLVED
-
-
 def _ragged(rows: list[Vector]) -> Matrix:
     """Return vectors as rows, nan at the ends of the shorter ones."""
     result = np.full((len(rows), max((row.size for row in rows), default=0)), np.nan)
     for line, row in zip(result, rows, strict=True):
         line[: row.size] = row
-    return read_only(result)
-
-
-def _column(values: Iterable[Any], kind: type) -> NDArray[Any]:
-    """Return values, one per tick, as a read-only array."""
-    return read_only(np.array(list(values), dtype=kind))
+    return result

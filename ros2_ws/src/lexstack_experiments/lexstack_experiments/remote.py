@@ -7,7 +7,6 @@ import multiprocessing
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from time import perf_counter, process_time
-from types import TracebackType
 
 from lexstack.references import References
 from lexstack.transition import Announcement, SourceSample
@@ -62,12 +61,7 @@ class RemoteB:
         """Return itself."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         """End the process."""
         self._pipe.send(None)
         self._process.join(timeout=5.0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
@@ -15,7 +14,8 @@ from lexstack.types import RobotState, Vector
 from lexstack_config.parts import build_team
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.ideal import IdealPlant
-from lexstack_experiments.loop import Loop, targets_of
+from lexstack_experiments.loop import Loop, ask_switch, targets_of
+from lexstack_experiments.measuring import no_collection
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,11 +66,13 @@ class Tape:
         Returns:
             The time of every tick [s], and the largest difference of its chi from the tape.
         """
-        _schedule(self.resolved, controller)
+        team = build_team(self.resolved)
+        for event in self.resolved.scenario.events:
+            for target in targets_of(event, team):
+                controller.references.add(target)
+            ask_switch(controller, event, self.resolved.scenario.rate)
         times, differences = np.empty(len(self.states)), np.empty(len(self.states))
-        gc.collect()
-        gc.disable()
-        try:
+        with no_collection():
             for k, state in enumerate(self.states):
                 controller.transition.take_announcements()
                 for sample in self.samples.get(state.tick, ()):
@@ -80,17 +82,4 @@ class Tape:
                 times[k] = clock() - begun
                 differences[k] = np.abs(command.chi - self.commands[k].chi).max()
                 watch(k)
-        finally:
-            gc.enable()
         return times, float(differences.max())
-
-
-def _schedule(resolved: ResolvedScenario, controller: Controller) -> None:
-    """Hand the scenario's events to a controller, as the loop does."""
-    team = build_team(resolved)
-    for event in resolved.scenario.events:
-        for target in targets_of(event, team):
-            controller.references.add(target)
-        if event.switch:
-            tick = round(event.at * resolved.scenario.rate)
-            controller.transition.ask(event.switch, event.duration, "", tick, event.robots)

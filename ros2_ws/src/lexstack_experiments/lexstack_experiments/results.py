@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
@@ -36,6 +37,10 @@ class Goal:
     def reached(self, value: float) -> bool:
         """Return whether a value meets the goal."""
         return _HOLDS[self.comparison](value, self.limit, self.slack)
+
+
+AT_MOST_ONE = Goal("<=", 1.0, 1e-6)
+"""Of a ratio that may meet its limit exactly."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,17 +85,31 @@ class Figure:
         return self.value is not None and self.goal.reached(self.value)
 
 
+def zero(name: str, value: float | None, unit: str = "") -> Figure:
+    """Return a figure that is to be zero."""
+    return Figure(name, value, unit, Goal("==", 0.0))
+
+
 @dataclass(frozen=True, slots=True)
 class Table:
     """Rows of equal length under the names of the columns (with their units)."""
 
     columns: tuple[str, ...]
-    rows: tuple[tuple[Cell, ...], ...]
+    rows: Iterable[tuple[Cell, ...]]
     title: str = ""
 
+    @classmethod
+    def of(cls, rows: Iterable[Mapping[str, Cell]], title: str = "") -> Table:
+        """Return a table of rows that name their cells, all of them alike."""
+        listed = list(rows)
+        columns = tuple(listed[0]) if listed else ()
+        return cls(columns, [tuple(row[name] for name in columns) for row in listed], title)
+
     def __post_init__(self) -> None:
-        """Raise ValueError for a row of another length."""
-        for row in self.rows:
+        """Keep the rows as a tuple; raise ValueError for a row of another length."""
+        rows = tuple(self.rows)
+        object.__setattr__(self, "rows", rows)
+        for row in rows:
             if len(row) != len(self.columns):
                 raise ValueError(f"table: {len(row)} cells in {len(self.columns)} columns: {row}")
 

@@ -3,34 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from lexstack_bag.figures.figures import Metrics, compute_metrics
-from lexstack_bag.figures.phases import Phase, find_phases
-from lexstack_bag.figures.series import Measures, measure
-from lexstack_bag.run.run import Run
+from lexstack_bag.figures.figures import Analysis
 from lexstack_config.resolved import ResolvedScenario, load_scenario
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.recording import recorded
 
+Case = TypeVar("Case", bound=Any)
 
-@dataclass(frozen=True, slots=True)
-class Measured:
-    """A run with its time series and figures."""
 
-    run: Run
-    measures: Measures
-    phases: tuple[Phase, ...]
-    metrics: Metrics
-
-    @classmethod
-    def of(cls, loop: Loop) -> Measured:
-        """Measure what a loop has done so far, by the definitions of the report."""
-        run = recorded(loop)
-        measures, phases = measure(run), find_phases(run)
-        return cls(run, measures, phases, compute_metrics(run, measures, phases))
+def analysed(loop: Loop) -> Analysis:
+    """Return the figures of what a loop has done so far, by the definitions of the report."""
+    return Analysis.of(recorded(loop))
 
 
 def scenario_of(config: Path, name: str = "transition-sequence") -> ResolvedScenario:
@@ -47,6 +34,12 @@ def with_method(resolved: ResolvedScenario, method: str, **values: Any) -> Resol
     """Return a scenario whose switches use a method, and other values of its transition."""
     transition = replace(resolved.scenario.transition, method=method, **values)
     return changed(resolved, transition=transition)
+
+
+def never_switched(case: Case) -> Case:
+    """Return a case, a dataclass with ``resolved``, with its references and without switches."""
+    events = tuple(replace(event, switch="") for event in case.resolved.scenario.events)
+    return replace(case, resolved=changed(case.resolved, events=events))
 
 
 def run_telling(loop: Loop, what: str, say: Callable[[str], None]) -> Loop:

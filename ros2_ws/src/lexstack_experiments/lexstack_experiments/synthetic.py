@@ -7,20 +7,23 @@ idle, so the bag is as full as one can be. The motion is a sum of sines; it obey
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from lexstack.transition import Phase
 from lexstack.types import Vector
 from lexstack_bag.run.provenance import run_facts
 from lexstack_bag.storage.container import Progress
 from lexstack_bag.storage.definitions import message_definition
 from lexstack_bag.storage.metadata import Qos, Topic
 from lexstack_bag.storage.writer import BagWriter
+from lexstack_bag.topics import COMMAND, PLANT_STATE, SOLUTION, STREAMS, TOOLS, TRANSITION
 from lexstack_config.parts import build_team, home_of
 from lexstack_config.resolved import ResolvedScenario
 
@@ -29,7 +32,6 @@ _SWITCH, _BLEND = 6000, 100  # ticks between two switches, ticks of a blend
 _SLOW = 2  # topics for tools come at every second tick
 _TICK = 0x1122334455667788  # stands for the tick in a message that is a pattern
 _STAMP = struct.Struct("<II")
-_IDLE, _BLENDING, _ADOPTING = 0, 3, 4
 
 
 def write_bag(
@@ -88,44 +90,22 @@ class _Maker:
         rows = {name: np.zeros(n) for name in ("q", "v", "q_star", "command")}
         self._plant = self._pattern("lexstack_interfaces/msg/PlantState", rows, robots=names)
         box = {name: np.zeros(n) for name in ("chi", "lower", "upper")}
-        self._chi = self._by_stack(
-            lambda stack: self._pattern(
-                "lexstack_interfaces/msg/Chi",
-                box,
-                robots=names,
-                stack=stack,
-                slacks=np.array([1e-6, 0.2, 0.4]),
-                solve_time=3e-4,
-            )
-        )
+        told = {"robots": names, "slacks": np.array([1e-6, 0.2, 0.4]), "solve_time": 3e-4}
+        self._chi = {
+            stack: self._pattern("lexstack_interfaces/msg/Chi", box, stack=stack, **told)
+            for stack in self._stacks
+        }
         self._limits = self._team.limits.velocity
         self._clock = self._pattern("rosgraph_msgs/msg/Clock", {})
         self._tools = {
             f"/{name}/{topic}": self._pattern(kind, {})
             for name in names
-            for topic, kind in (
-                ("joint_states", "sensor_msgs/msg/JointState"),
-                ("ee_pose", "geometry_msgs/msg/PoseStamped"),
-                ("odom", "nav_msgs/msg/Odometry"),
-            )
+            for topic, kind in TOOLS.items()
         }
 
     def topics(self) -> list[Topic]:
         """Return the topics of the bag."""
-        interfaces = "lexstack_interfaces/msg"
-        kinds = {
-            "/clock": "rosgraph_msgs/msg/Clock",
-            "/plant/state": f"{interfaces}/PlantState",
-            "/robot_a/chi": f"{interfaces}/Chi",
-            "/robot_b/chi": f"{interfaces}/Chi",
-            "/robot_a/transition": f"{interfaces}/TransitionStatus",
-        }
-        for topic in self._tools:
-            kinds[topic] = {
-                "joint_states": "sensor_msgs/msg/JointState",
-                "ee_pose": "geometry_msgs/msg/PoseStamped",
-                "odom": "nav_msgs/msg/Odometry",
-            }[topic.rsplit("/", 1)[1]]
+        kinds = STREAMS | {topic: TOOLS[topic.rsplit("/", 1)[1]] for topic in self._tools}
         return [Topic(name, kind, (Qos(),)) for name, kind in kinds.items()]
 
     def messages(self, tick: int) -> Iterator[tuple[str, bytes]]:
@@ -137,11 +117,11 @@ class _Maker:
         switch, since = divmod(tick, _SWITCH)
         stack = self._stacks[switch % len(self._stacks)]
         yield "/clock", self._clock.at(time, tick)
-        yield "/plant/state", self._plant.at(time, tick, q=q, v=chi, q_star=q, command=chi)
+        yield PLANT_STATE, self._plant.at(time, tick, q=q, v=chi, q_star=q, command=chi)
         box = {"lower": -self._limits, "upper": self._limits}
-        yield "/robot_b/chi", self._chi[stack].at(time, tick, chi=chi, **box)
-        yield "/robot_a/chi", self._chi[stack].at(time, tick, chi=chi, **box)
-        yield "/robot_a/transition", self._status(tick, switch, since, stack)
+        yield SOLUTION, self._chi[stack].at(time, tick, chi=chi, **box)
+        yield COMMAND, self._chi[stack].at(time, tick, chi=chi, **box)
+        yield TRANSITION, self._status(tick, switch, since, stack)
         if tick % _SLOW == 0:
             for topic, pattern in self._tools.items():
                 yield topic, pattern.at(time, tick)
@@ -149,7 +129,7 @@ class _Maker:
     def _status(self, tick: int, switch: int, since: int, stack: str) -> bytes:
         """Return how far robot A is on its way."""
         blending = bool(switch) and since <= _BLEND
-        phase = (_ADOPTING if since == _BLEND else _BLENDING) if blending else _IDLE
+        phase = (Phase.ADOPTING if since == _BLEND else Phase.BLENDING) if blending else Phase.IDLE
         data = _serialized(
             "lexstack_interfaces/msg/TransitionStatus",
             tick=tick,
@@ -165,10 +145,6 @@ class _Maker:
         )
         _put_stamp(data, tick * self._dt)
         return bytes(data)
-
-    def _by_stack(self, make: Callable[[str], _Pattern]) -> dict[str, _Pattern]:
-        """Return a pattern per stack."""
-        return {stack: make(stack) for stack in self._stacks}
 
     def _pattern(self, kind: str, vectors: dict[str, Vector], **fields: Any) -> _Pattern:
         """Return a message as a pattern, its vectors found by their content."""
@@ -194,16 +170,12 @@ def _serialized(kind: str, **fields: Any) -> bytearray:
     return bytearray(store.serialize_cdr(_filled(store, kind, fields), kind))
 
 
-_STORES: dict[str, Any] = {}
-
-
+@cache
 def _store(kind: str) -> Any:
     """Return a type store that knows a type and all that it needs."""
-    if kind not in _STORES:
-        store = get_typestore(Stores.EMPTY)
-        store.register(get_types_from_msg(message_definition(kind), kind))
-        _STORES[kind] = store
-    return _STORES[kind]
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(message_definition(kind), kind))
+    return store
 
 
 def _filled(store: Any, kind: str, given: dict[str, Any]) -> Any:

@@ -112,24 +112,6 @@ class _Zero:
         return np.zeros((len(gradients), self._rows))
 
 
-class _Orthonormal:
-    """Orthonormal columns times a scale: nothing is left to the levels below."""
-
-    def __init__(self, basis: Matrix, scale: float) -> None:
-        self.rank = basis.shape[1]
-        self.null: Matrix = np.empty((self.rank, 0))
-        self._basis = basis
-        self._scale = scale
-
-    def solve(self, target: Vector) -> Vector:
-        z: Vector = target.dot(self._basis) / self._scale
-        return z
-
-    def solve_transposed(self, gradients: Matrix) -> Matrix:
-        mu: Matrix = gradients.dot(self._basis.T) / self._scale
-        return mu
-
-
 class _Wide:
     """Full row rank: ``M.T P = Q [R; 0]``."""
 

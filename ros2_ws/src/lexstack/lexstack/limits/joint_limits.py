@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +67,7 @@ class JointLimits:
 
     def __post_init__(self) -> None:
         """Copy, check and freeze the arrays."""
-        for name in ("position_lower", "position_upper", "velocity", "acceleration", "jerk"):
+        for name in LIMITS:
             value = np.array(getattr(self, name), dtype=np.float64)
             value.setflags(write=False)
             object.__setattr__(self, name, value)
@@ -91,7 +93,21 @@ class JointLimits:
             value = getattr(self, name)[joint]
             raise ModelError(f"joint limits: {name}[{joint}] = {value}, must be {what}")
 
+    @classmethod
+    def joined(cls, parts: Iterable[JointLimits]) -> JointLimits:
+        """Return the limits of several robots, one after another."""
+        values = [[getattr(part, name) for name in LIMITS] for part in parts]
+        return cls(*map(np.concatenate, zip(*values, strict=True)))
+
     @property
     def n(self) -> int:
         """Number of joints."""
         return int(self.position_lower.size)
+
+    def replaced(self, pieces: Iterable[tuple[Any, JointLimits]]) -> JointLimits:
+        """Return these limits, with other ones on some joints: an index of (n,), and the limits."""
+        values = {name: getattr(self, name).copy() for name in LIMITS}
+        for joints, limits in pieces:
+            for name in LIMITS:
+                values[name][joints] = getattr(limits, name)[joints]
+        return JointLimits(**values)

@@ -109,11 +109,8 @@ class LimitsInForce:
             return self._blend.at(tick)
         pieces = (self._blend.at(tick), *(blend.at(tick) for _, blend in self._going))
         if len(pieces) != len(self._pieces) or any(map(is_not, pieces, self._pieces)):
-            values = {name: getattr(pieces[0], name).copy() for name in LIMITS}
-            for (joints, _), piece in zip(self._going, pieces[1:], strict=True):
-                for name in LIMITS:
-                    values[name][joints] = getattr(piece, name)[joints]
-            self._pieces, self._whole = pieces, JointLimits(**values)
+            going = zip((joints for joints, _ in self._going), pieces[1:], strict=True)
+            self._pieces, self._whole = pieces, pieces[0].replaced(going)
         return self._whole
 
     def _keep_going(self, wanted: JointLimits, tick: int) -> None:

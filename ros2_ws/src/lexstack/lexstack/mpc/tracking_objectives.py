@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from lexstack.errors import InputError
 from lexstack.mpc.options import HtmpcConfig, TaskWeightsConfig
-from lexstack.mpc.rotations import from_quaternions, log3_all, log_slopes
 from lexstack.mpc.stage_kinematics import StageKinematics
+from lexstack.robots.spatial import from_quaternions, log3_all, log_slopes
 from lexstack.types import Matrix, Vector
 
 Array = NDArray[np.float64]

@@ -46,18 +46,7 @@ class Team:
             slice(int(end) - robot.n, int(end)) for end, robot in zip(ends, robots, strict=True)
         )
         self.n = int(ends[-1])
-        self.limits = JointLimits(
-            *(
-                np.concatenate([getattr(robot.limits, name) for robot in robots])
-                for name in (
-                    "position_lower",
-                    "position_upper",
-                    "velocity",
-                    "acceleration",
-                    "jerk",
-                )
-            )
-        )
+        self.limits = JointLimits.joined(robot.limits for robot in robots)
 
     def index(self, name: str) -> int:
         """Return a robot's place in the order; raises ConfigurationError listing the known."""

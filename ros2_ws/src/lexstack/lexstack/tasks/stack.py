@@ -130,13 +130,11 @@ def _joined_limits(stacks: Sequence[Stack], team: Team | None) -> JointLimits | 
     if team is None:
         names = ", ".join(repr(stack.name) for stack in stacks)
         raise ModelError(f"stacks {names}: they have different limits, and no team is given")
-    values = {name: getattr(team.limits, name).copy() for name in LIMITS}
-    for stack in stacks:
-        if stack.limits is not None:
-            mine = team.columns(stack.robots or ())
-            for name in LIMITS:
-                values[name][mine] = getattr(stack.limits, name)[mine]
-    return JointLimits(**values)
+    return team.limits.replaced(
+        (team.columns(stack.robots or ()), stack.limits)
+        for stack in stacks
+        if stack.limits is not None
+    )
 
 
 def build_stack(config: StackConfig, team: Team, where: str = "") -> Stack:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
+from enum import Enum, IntEnum
 
 from lexstack.types import Vector
 
 
-class Phase(Enum):
-    """The phases of a transition, in their order; ABORTED may follow any of them."""
+class Phase(IntEnum):
+    """``phase`` of ``TransitionStatus``, in their order; ABORTED may follow any of them."""
 
     IDLE = 0
     REQUESTED = 1

@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from lexstack.errors import LexstackError
@@ -19,16 +17,15 @@ from lexstack_bag.errors import BagError
 from lexstack_bag.figures.compare import Comparison, compare_metrics
 from lexstack_bag.figures.compare import summary_lines as difference_lines
 from lexstack_bag.figures.export import write_csv, write_parquet
-from lexstack_bag.figures.figures import Metrics, compute_metrics
+from lexstack_bag.figures.figures import Analysis, Metrics
 from lexstack_bag.figures.goals import summary_lines
-from lexstack_bag.figures.phases import Phase, find_phases
-from lexstack_bag.figures.series import Measures, measure
 from lexstack_bag.progress import ProgressBar
 from lexstack_bag.report.build import write_report
-from lexstack_bag.report.comparison import Side, write_comparison
+from lexstack_bag.report.comparison import write_comparison
 from lexstack_bag.report.video import write_video
 from lexstack_bag.run.reader import read_parts
 from lexstack_bag.run.run import Run
+from lexstack_bag.storage.folders import writing
 
 BAD_ARGUMENT, INTERRUPTED = 2, 130
 _MOST_PARTS = 20  # of a bag with resets, besides the last one
@@ -38,29 +35,12 @@ Say = Callable[[str], None]
 """Told what happens, in single lines."""
 
 
-@dataclass(frozen=True, slots=True)
-class Analysis:
-    """A run and all that is computed from it."""
-
-    run: Run
-    measures: Measures
-    phases: tuple[Phase, ...]
-    metrics: Metrics
-
-    @classmethod
-    def of(cls, bag: Path, say: Say = lambda _line: None) -> Analysis:
-        """Analyse a bag; of one with resets the part after the last reset. Raises BagError."""
-        return cls.of_run(_read(bag, say)[-1], say)
-
-    @classmethod
-    def of_run(cls, run: Run, say: Say = lambda _line: None) -> Analysis:
-        """Analyse a run, or a part of a bag."""
-        measures = measure(run, ProgressBar("computing"))
-        phases = find_phases(run)
-        metrics = compute_metrics(run, measures, phases)
-        part = f"part {run.part} of {len(run.parts)}: " if run.parts else ""
-        say(f"{part}computed the figures of {metrics.ticks} ticks in {len(phases)} phases")
-        return cls(run, measures, phases, metrics)
+def _analysed(run: Run, say: Say) -> Analysis:
+    """Analyse a run, or a part of a bag."""
+    found = Analysis.of(run, ProgressBar("computing"))
+    part = f"part {run.part} of {len(run.parts)}: " if run.parts else ""
+    say(f"{part}computed the figures of {found.metrics.ticks} ticks in {len(found.phases)} phases")
+    return found
 
 
 def _read(bag: Path, say: Say) -> tuple[Run, ...]:
@@ -105,8 +85,8 @@ def _write_parts(runs: Sequence[Run], folder: Path, say: Say) -> Analysis:
         if number > _MOST_PARTS:
             say(f"left out: parts {number} to {len(runs) - 1}, of more than {_MOST_PARTS} parts")
             break
-        write(Analysis.of_run(run, say), folder / f"part-{number}", say)
-    last = Analysis.of_run(runs[-1], say)
+        write(_analysed(run, say), folder / f"part-{number}", say)
+    last = _analysed(runs[-1], say)
     write(last, folder, say)
     return last
 
@@ -115,7 +95,7 @@ def write(analysis: Analysis, folder: Path, say: Say) -> None:
     """Write ``metrics.json`` and ``report.html``; raises BagError."""
     run, metrics = analysis.run, analysis.metrics
     report = folder / "report.html"
-    with writing(folder):
+    with writing(folder, make=True):
         (folder / "metrics.json").write_text(metrics.to_json(), encoding="utf-8")
         write_report(report, run, analysis.measures, analysis.phases, metrics, say)
     say(f"wrote {folder / 'metrics.json'} and {report}")
@@ -130,28 +110,14 @@ def compare(first: Path, second: Path, out: Path | None, say: Say) -> Comparison
         out: where to write; default: the run folder of the second.
         say: told what happens.
     """
-    one, other = Analysis.of(first, say), Analysis.of(second, say)
+    one, other = (_analysed(_read(bag, say)[-1], say) for bag in (first, second))
     comparison = compare_metrics(one.metrics, other.metrics, (str(first), str(second)))
     folder = out or run_folder(other.run.path)
-    with writing(folder):
+    with writing(folder, make=True):
         (folder / "comparison.json").write_text(comparison.to_json(), encoding="utf-8")
-        sides = (
-            Side(one.run, one.measures, one.phases),
-            Side(other.run, other.measures, other.phases),
-        )
-        write_comparison(folder / "comparison.html", sides, comparison)
+        write_comparison(folder / "comparison.html", (one, other), comparison)
     say(f"wrote {folder / 'comparison.json'} and {folder / 'comparison.html'}")
     return comparison
-
-
-@contextmanager
-def writing(folder: Path) -> Iterator[None]:
-    """Make a folder, and turn what the disk refuses into a BagError."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        yield
-    except OSError as error:
-        raise BagError(f"{folder}: cannot be written: {error.strerror}") from error
 
 
 def run_folder(file: Path) -> Path:

@@ -17,14 +17,14 @@ from lexstack.errors import LexstackError
 from lexstack_bag.commands.analyze import run_folder
 from lexstack_bag.errors import BagError
 from lexstack_bag.progress import ProgressBar
-from lexstack_bag.replay.changes import Changes
+from lexstack_bag.replay.changes import Changes, Question
 from lexstack_bag.replay.nodes import REPLAYERS, recorded_nodes
 from lexstack_bag.replay.outcome import Outcome
 from lexstack_bag.replay.planner import PLANNER
-from lexstack_bag.replay.question import Question
 from lexstack_bag.run.reader import read_run
 from lexstack_bag.run.run import Run
 from lexstack_bag.run.wholeness import other_parts
+from lexstack_bag.storage.folders import writing
 
 DIFFERENT, BAD_ARGUMENT, INTERRUPTED = 1, 2, 130
 
@@ -66,12 +66,9 @@ def write(folder: Path, outcomes: Sequence[Outcome], changes: Changes, run: Run)
     }
     figures, picture = folder / "replay.json", folder / "replay.png"
     title = f"{run.resolved.scenario.name}: {changes or 'no changes'} (open loop)"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
+    with writing(folder, make=True):
         figures.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         draw(outcomes, title, picture)
-    except OSError as error:
-        raise BagError(f"{folder}: cannot be written: {error.strerror}") from error
     return [figures, picture]
 
 

@@ -7,9 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from difflib import SequenceMatcher
 from itertools import zip_longest
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from lexstack_bag.figures.figures import Metrics, PhaseMetrics
+from lexstack_bag.figures.phases import Phase
+
+P = TypeVar("P", PhaseMetrics, Phase)
 
 RUN, MESSAGES = "run", "messages"
 """Groups of figures: of the whole run, and the counts of messages by topic."""
@@ -114,7 +117,7 @@ def compare_metrics(
     for key in ("phases", "sequences"):
         one.pop(key), other.pop(key)
     differences = [*_differences(RUN, one, other)]
-    for place, (left, right) in enumerate(_paired(first.phases, second.phases), start=1):
+    for place, (left, right) in enumerate(paired(first.phases, second.phases), start=1):
         either = left or right
         assert either is not None
         group = f"phase {place}: {either.title}"
@@ -152,9 +155,7 @@ def summary_lines(comparison: Comparison) -> list[str]:
     return [*lines, f"{same} of {len(shown)} figures are the same"]
 
 
-def _paired(
-    first: Sequence[PhaseMetrics], second: Sequence[PhaseMetrics]
-) -> Iterator[tuple[PhaseMetrics | None, PhaseMetrics | None]]:
+def paired(first: Sequence[P], second: Sequence[P]) -> Iterator[tuple[P | None, P | None]]:
     """Yield the phases of both runs with the same stack together, the others alone, in order."""
     stacks = [phase.stack for phase in first], [phase.stack for phase in second]
     i = j = 0

@@ -7,6 +7,7 @@ A column is named after what it holds, its robot and joint, and its unit in brac
 from __future__ import annotations
 
 import csv
+import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,12 +21,19 @@ from lexstack.types import Matrix
 from lexstack_bag.errors import BagError
 from lexstack_bag.figures.series import Measures
 from lexstack_bag.run.partial_chi import joined
-from lexstack_bag.run.run import ProgressStream, Run
+from lexstack_bag.run.run import Run
 from lexstack_bag.storage.container import Progress
+from lexstack_bag.storage.folders import writing
 
 _ROWS = 10_000  # written at a time
 _TIME = "time [s]"
 _AXES = ("x [m]", "y [m]", "z [m]")
+_NAMES = {"stamp": _TIME}
+_UNITS = {
+    "duration": "s", "error": "m", "error_angle": "rad", "gap": "m/s, rad/s", "solve_time": "s",
+}  # fmt: skip
+_RAGGED = {"errors": "error/level_{level} [m]", "slacks": "slack/level_{level}"}
+_LEFT_OUT = ("references", "robots", "sent")
 _BASE = ("x [m]", "y [m]", "yaw [rad]")
 
 Columns = Mapping[str, NDArray[Any]]
@@ -46,13 +54,16 @@ _POSITION, _VELOCITY = _Kind("m", "rad"), _Kind("m/s", "rad/s")
 def tables(run: Run, measures: Measures) -> dict[str, Columns]:
     """Return the tables of a run by name: plant, errors, each chi and plan, transition, targets."""
     team = run.team()
-    found: dict[str, Columns] = {"plant": _plant(run, team), "errors": _errors(run, measures)}
+    found: dict[str, Columns] = {
+        "plant": _stream(run.plant, team),
+        "errors": _errors(run, measures),
+    }
     for node, chi in run.chi.items():
         if len(chi.tick):
-            found[f"{node}_chi"] = _chi(run, node, team)
+            found[f"{node}_chi"] = _stream(joined(run, node), team)
     for robot, planning in run.planning.items():
-        found[f"{robot}_plans"] = _plans(planning.progress)
-    found["transition"] = _transition(run)
+        found[f"{robot}_plans"] = _stream(planning.progress, team)
+    found["transition"] = _stream(run.transition, team)
     found["targets"] = _targets(run)
     return found
 
@@ -80,13 +91,10 @@ def _write(
 ) -> list[Path]:
     """Write tables to files of their names."""
     paths = [folder / f"{name}{suffix}" for name in content]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
+    with writing(folder, make=True):
         for done, (path, columns) in enumerate(zip(paths, content.values(), strict=True)):
             progress(done / len(paths))
             write(path, columns)
-    except OSError as error:
-        raise BagError(f"{folder}: cannot be written: {error.strerror}") from error
     progress(1.0)
     return paths
 
@@ -110,20 +118,23 @@ def _parquet(path: Path, columns: Columns) -> None:
     parquet.write_table(pa.table(dict(columns)), path, compression="zstd")
 
 
-def _plant(run: Run, team: Team) -> Columns:
-    """Return ``/plant/state``."""
-    plant = run.plant
-    return {
-        "tick": plant.tick,
-        _TIME: plant.stamp,
-        **_joints("q", plant.q, team, _POSITION),
-        **_joints("v", plant.v, team, _VELOCITY),
-        **_joints("q_star", plant.q_star, team, _POSITION),
-        **_joints("command", plant.command, team, _VELOCITY),
-        "status": plant.status,
-        "late_ticks": plant.late_ticks,
-        "missing_ticks": plant.missing_ticks,
-    }
+def _stream(stream: Any, team: Team) -> Columns:
+    """Return the messages of a topic: a column for each number of each of their fields."""
+    columns: dict[str, NDArray[Any]] = {}
+    for field in dataclasses.fields(stream):
+        name, values = field.name, getattr(stream, field.name)
+        if name in _RAGGED:
+            columns |= {
+                _RAGGED[name].format(level=k + 1): column
+                for k, column in enumerate(np.asarray(values).T)
+            }
+        elif field.type in ("Matrix", "Single"):
+            kind = _POSITION if name in ("q", "q_star") else _VELOCITY
+            columns |= _joints(name, values, team, kind)
+        elif name not in _LEFT_OUT:
+            unit = _UNITS.get(name)
+            columns[f"{name} [{unit}]" if unit else _NAMES.get(name, name)] = values
+    return columns
 
 
 def _errors(run: Run, measures: Measures) -> Columns:
@@ -141,64 +152,6 @@ def _errors(run: Run, measures: Measures) -> Columns:
         columns[f"base_error/{robot} [mm]"] = measures.base_error[:, i]
         columns[f"yaw_error/{robot} [mrad]"] = measures.yaw_error[:, i]
     return columns
-
-
-def _chi(run: Run, node: str, team: Team) -> Columns:
-    """Return a node's chi with its bounds."""
-    chi = joined(run, node)
-    return {
-        "tick": chi.tick,
-        _TIME: chi.stamp,
-        "stack": chi.stack,
-        "transition_id": chi.transition_id,
-        **_joints("chi", chi.chi, team, _VELOCITY),
-        **_joints("lower", chi.lower, team, _VELOCITY),
-        **_joints("upper", chi.upper, team, _VELOCITY),
-        **{f"slack/level_{k + 1}": chi.slacks[:, k] for k in range(chi.slacks.shape[1])},
-        "status": chi.status,
-        "empty_bounds": chi.empty_bounds,
-        "solve_time [s]": chi.solve_time,
-        "reason": chi.reason,
-    }
-
-
-def _plans(progress: ProgressStream) -> Columns:
-    """Return ``/htmpc/status`` of one robot."""
-    return {
-        "tick": progress.tick,
-        _TIME: progress.stamp,
-        "architecture": progress.architecture,
-        "index": progress.index,
-        "count": progress.count,
-        "task": progress.task,
-        "error [m]": progress.error,
-        "error_angle [rad]": progress.error_angle,
-        **{
-            f"error/level_{k + 1} [m]": column
-            for k, column in enumerate(np.asarray(progress.errors).T)
-        },
-        "solved": progress.solved,
-        "solve_time [s]": progress.solve_time,
-    }
-
-
-def _transition(run: Run) -> Columns:
-    """Return ``/robot_a/transition``."""
-    status = run.transition
-    return {
-        "tick": status.tick,
-        _TIME: status.stamp,
-        "id": status.id,
-        "from_stack": status.from_stack,
-        "to_stack": status.to_stack,
-        "source": status.source,
-        "method": status.method,
-        "phase": status.phase,
-        "alpha": status.alpha,
-        "duration [s]": status.duration,
-        "gap [m/s, rad/s]": status.gap,
-        "reason": status.reason,
-    }
 
 
 def _targets(run: Run) -> Columns:

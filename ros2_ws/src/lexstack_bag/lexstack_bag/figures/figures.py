@@ -14,17 +14,18 @@ from lexstack.hqp import DAMPED, NEAR
 from lexstack.robots import Team
 from lexstack.types import Matrix, Vector
 from lexstack_bag.figures.levels import LevelMetrics, levels_of
-from lexstack_bag.figures.phases import BASE_TASKS, EE_TASKS, Phase, tasks_of
+from lexstack_bag.figures.phases import BASE_TASKS, EE_TASKS, Phase, find_phases, tasks_of
 from lexstack_bag.figures.relative_errors import PerRobot, relations_of
-from lexstack_bag.figures.series import COMMANDER, Measures
+from lexstack_bag.figures.series import COMMANDER, Measures, finite, measure
 from lexstack_bag.figures.settling import posture_errors, settled_after
 from lexstack_bag.run.run import Run, RunPart, SolveStatus
 from lexstack_bag.run.sequences import SequenceMetrics, ratio_of, sequences_of
 from lexstack_bag.run.wholeness import doubts_of, gaps_of, span_of, wholeness_of
+from lexstack_bag.storage.container import Progress
 
 STEADY_WINDOW = 0.5  # s, the end of a phase over which steady-state errors are averaged
 
-__all__ = ["Metrics", "PerRobot", "PhaseMetrics", "compute_metrics"]
+__all__ = ["Analysis", "Metrics", "PerRobot", "PhaseMetrics", "compute_metrics"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +97,22 @@ class Metrics:
         return json.dumps(asdict(self), indent=2, allow_nan=False) + "\n"
 
 
+@dataclass(frozen=True, slots=True)
+class Analysis:
+    """A run and all that is computed from it."""
+
+    run: Run
+    measures: Measures
+    phases: tuple[Phase, ...]
+    metrics: Metrics
+
+    @classmethod
+    def of(cls, run: Run, progress: Progress = lambda _part: None) -> Analysis:
+        """Compute time series, phases and figures of a run."""
+        measures, phases = measure(run, progress), find_phases(run)
+        return cls(run, measures, phases, compute_metrics(run, measures, phases))
+
+
 def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> Metrics:
     """Return the figures of a run."""
     scenario, command, team = run.resolved.scenario, run.chi[COMMANDER], run.team()
@@ -148,7 +165,7 @@ def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetri
 
     def figures(errors: Matrix, rows: Any, take: Any, robots: Collection[str]) -> PerRobot:
         return {
-            name: _number(take(errors[rows, i])) if name in robots and rows.any() else None
+            name: finite(take(errors[rows, i])) if name in robots and rows.any() else None
             for i, name in enumerate(run.robots)
         }
 
@@ -167,7 +184,7 @@ def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetri
         damped_share=_damped(run, phase.ticks(measures.command_time)),
         **asdict(relations_of(run, team, measures, phase.stack, ticks, steady)),
         posture_error_mrad={
-            name: _number(np.mean(postures[name][steady]))
+            name: finite(np.mean(postures[name][steady]))
             if name in postures and steady.any()
             else None
             for name in run.robots
@@ -214,9 +231,4 @@ def _peak(ratios: Matrix) -> float | None:
 
 def _percentile(values: Vector, percent: float) -> float | None:
     """Return a percentile, None without values."""
-    return _number(np.percentile(values, percent)) if len(values) else None
-
-
-def _number(value: Any) -> float | None:
-    """Return a float that JSON can hold."""
-    return float(value) if np.isfinite(value) else None
+    return finite(np.percentile(values, percent)) if len(values) else None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -102,15 +101,16 @@ def _all_goals(metrics: Metrics, always: tuple[Goal, ...]) -> tuple[Goal, ...]:
     if metrics.scenario != PAPER_SEQUENCE:
         return (*always, *_of_sequences(metrics))
     after_a = next((phase for phase in metrics.phases if phase.base_error_mm), None)
+    ee, base = (after_a.ee_error_mm, after_a.base_error_mm) if after_a else (None, None)
     last = metrics.phases[-1]
     switches = metrics.phases[1:]
     cancelled = sum(phase.outcome == "cancelled" for phase in switches)
     unfinished = sum(phase.transition_s is None for phase in switches) - cancelled
     told = f" ({cancelled} cancelled on request)" if cancelled else ""
     return (
-        Goal("End-effector error after (A)", "< 10 mm", 2.0, "mm", _worst_ee(after_a)),
-        Goal("Base error after (A)", "< 50 mm", 5.0, "mm", _worst_base(after_a)),
-        Goal("Final end-effector error", "< 2 mm", 1.0, "mm", _worst_ee(last)),
+        Goal("End-effector error after (A)", "< 10 mm", 2.0, "mm", _worst(ee)),
+        Goal("Base error after (A)", "< 50 mm", 5.0, "mm", _worst(base)),
+        Goal("Final end-effector error", "< 2 mm", 1.0, "mm", _worst(last.ee_error_mm)),
         *always,
         Goal(
             f"Switches not adopted, of {len(switches)}{told}",
@@ -137,20 +137,9 @@ def _of_sequences(metrics: Metrics) -> tuple[Goal, ...]:
     return ((done, ratio) if compared else (done,)) if metrics.sequences else ()
 
 
-def _worst_ee(phase: PhaseMetrics | None) -> float | None:
-    """Return the larger steady-state error of the end effectors [mm]."""
-    return None if phase is None else _worst(phase.ee_error_mm.values())
-
-
-def _worst_base(phase: PhaseMetrics | None) -> float | None:
-    """Return the larger steady-state error of the bases [mm]."""
-    errors: PerRobot = (phase.base_error_mm if phase is not None else None) or {}
-    return _worst(errors.values())
-
-
-def _worst(values: Iterable[float | None]) -> float | None:
-    """Return the largest of the known values, None without any."""
-    return max((value for value in values if value is not None), default=None)
+def _worst(values: PerRobot | None) -> float | None:
+    """Return the largest of the robots' known values, None without any."""
+    return max((value for value in (values or {}).values() if value is not None), default=None)
 
 
 def summary_lines(metrics: Metrics) -> list[str]:

@@ -18,7 +18,7 @@ from lexstack.robots import Team
 from lexstack.tasks import Stack, build_stack
 from lexstack.types import LinearTask, RobotState, Vector
 from lexstack_bag.figures.phases import Phase
-from lexstack_bag.figures.series import COMMANDER, Measures
+from lexstack_bag.figures.series import COMMANDER, Measures, finite
 from lexstack_bag.run.run import Run
 
 _MOST = 20  # states at which the residuals of a phase are taken
@@ -76,7 +76,7 @@ def levels_of(
     return tuple(
         LevelMetrics(
             k + 1,
-            {task.name: _finite(np.mean(sums[task.name])) for task in level},
+            {task.name: finite(np.mean(sums[task.name])) for task in level},
             obstacles.get(k, ()),
         )
         for k, level in enumerate(levels)
@@ -161,8 +161,3 @@ def _words(level: Blocked, names: tuple[str, ...]) -> tuple[str, ...]:
         return ("no bound: its rows contradict each other",)
     more = len(words) - _STRONGEST
     return (*list(words)[:_STRONGEST], *([f"{more} more"] if more > 0 else []))
-
-
-def _finite(value: float | np.floating) -> float | None:
-    """Return a number that JSON can hold."""
-    return float(value) if np.isfinite(value) else None

@@ -65,17 +65,7 @@ def _joined(names: tuple[str, ...], stacks: dict[str, JointLimits], team: Team) 
     found = [stacks.get(name, team.limits) for name in names]
     if all(limits is found[0] for limits in found):
         return found[0]
-    return JointLimits(
-        *(
-            np.concatenate(
-                [
-                    getattr(limits, field)[part]
-                    for limits, part in zip(found, team.slices, strict=True)
-                ]
-            )
-            for field in ("position_lower", "position_upper", "velocity", "acceleration", "jerk")
-        )
-    )
+    return team.limits.replaced(zip(team.slices, found, strict=True))
 
 
 def _led(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,3 +125,8 @@ def _over_limit(rates: Matrix, limits: Sequence[JointLimits], name: str) -> Sing
             rates[first:last] /= getattr(limits[first], name)
             first = last
     return rates.astype(np.float32)
+
+
+def finite(value: Any) -> float | None:
+    """Return a number as JSON can hold it."""
+    return float(value) if np.isfinite(value) else None

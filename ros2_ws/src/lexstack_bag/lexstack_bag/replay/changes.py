@@ -1,4 +1,4 @@
-"""What if: a recorded scenario with some of its values replaced."""
+"""What a replay is asked: a run, and what if some values of its scenario were others."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import yaml
 
 from lexstack.errors import ConfigurationError
 from lexstack.transition import METHODS
+from lexstack_bag.run.run import Run
+from lexstack_bag.storage.container import Progress
 from lexstack_config.reader import build, plain
 from lexstack_config.resolved import ResolvedScenario
 
@@ -70,6 +72,23 @@ class Changes:
             known = ", ".join(sorted(resolved.stacks))
             raise ConfigurationError(f"--stack: unknown {old!r}; known: {known}")
         return (old, new) if mark else ("", self.stack)
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What to replay.
+
+    Attributes:
+        run: the recorded run.
+        changes: what shall be other than it was.
+        resolved: the scenario with the changes made.
+        progress: told how much is done, from 0 to 1.
+    """
+
+    run: Run
+    changes: Changes
+    resolved: ResolvedScenario
+    progress: Progress = lambda _part: None
 
 
 def _set(tree: dict[str, Any], setting: str) -> None:

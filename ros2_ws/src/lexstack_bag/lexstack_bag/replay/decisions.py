@@ -5,7 +5,7 @@ from __future__ import annotations
 from lexstack.references import References, ReferenceSchedule, Setting, measured
 from lexstack.robots import Team
 from lexstack.types import RobotState
-from lexstack_bag.replay.question import Question
+from lexstack_bag.replay.changes import Question
 from lexstack_bag.replay.states import targets_of
 from lexstack_config.parts import build_references
 from lexstack_config.scenario import ScenarioConfig
@@ -40,7 +40,7 @@ class Decisions:
         for target in self._targets.until(now):
             self._schedule.add(target)
 
-    def at(self, state: RobotState, now: int, revision: int) -> References:
+    def at(self, state: RobotState, now: int, revision: int | None) -> References:
         """Return the references of a state; in a late answer those that it names."""
         self.take(state, now)
         if self._recorded and revision:

@@ -18,15 +18,15 @@ from lexstack.tasks import Stack
 from lexstack.transition import Columns
 from lexstack.types import Matrix, Vector
 from lexstack_bag.figures.series import COMMANDER
+from lexstack_bag.replay.changes import Question
 from lexstack_bag.replay.decisions import Decisions
 from lexstack_bag.replay.outcome import Outcome, joints_of
 from lexstack_bag.replay.planner import PLANNER, heard_plans, replay_planner
-from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.requests import Ask, Cancel, requests_of
-from lexstack_bag.replay.source import SOLVER, LiveSource, RecordedSource, Source
+from lexstack_bag.replay.source import SOLVER, LiveSource, RecordedSource, Source, revision_of
 from lexstack_bag.replay.states import EVER, States, all_of, begun_at
 from lexstack_bag.run.partial_chi import robots_of
-from lexstack_bag.run.run import ChiStream, Run
+from lexstack_bag.run.run import Run
 from lexstack_config.parts import Parts, build_controller, build_stack_solver
 
 __all__ = ["REPLAYERS", "Question", "recorded_nodes", "replay_controller", "replay_solver"]
@@ -46,18 +46,13 @@ def replay_solver(question: Question) -> Outcome:
         state, stack = states[int(chi.tick[row])], str(chi.stack[row])
         stack = new if new and old in ("", stack) else stack
         asked, mine = _asked(parts, stack, str(chi.robots[row]))
-        references = decisions.at(state, int(begun[row]), _revision(chi, row))
+        references = decisions.at(state, int(begun[row]), revision_of(chi, row))
         answer = solver.solve(asked, parts.team.kinematics(state), references)
         if answer.chi.shape == replayed[place].shape:
             replayed[place, mine] = answer.chi[mine]
         question.progress((place + 1) / len(rows))
     joints = joints_of(parts.team)
     return Outcome(SOLVER, joints, chi.tick[rows], chi.stamp[rows], chi.chi[rows], replayed)
-
-
-def _revision(chi: ChiStream, row: int) -> int:
-    """Return the revision of the references that a row was solved for; 0: not known."""
-    return int(chi.references[row]) if len(chi.references) else 0
 
 
 def _asked(parts: Parts, stack: str, names: str) -> tuple[Stack, Columns]:

@@ -12,11 +12,10 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from lexstack_bag.run.columns import seconds
-from lexstack_bag.run.plan_topics import PLAN
-from lexstack_bag.run.reader import PLANT_STATE
 from lexstack_bag.storage.container import RawMessage
+from lexstack_bag.topics import PLAN, PLANT_STATE, SOLUTION
 
-ANSWERS = ("/robot_b/chi", PLAN)
+ANSWERS = (SOLUTION, PLAN)
 """What robot A waits for, with the stamp of the state that it answers."""
 
 Entry = tuple[RawMessage, float]  # a message, and the stamp [s] of a state or an answer

@@ -16,8 +16,8 @@ from lexstack.robots import Team
 from lexstack.transition import HeardPlan
 from lexstack.types import Matrix, RobotState, Vector
 from lexstack_bag.errors import BagError
+from lexstack_bag.replay.changes import Question
 from lexstack_bag.replay.outcome import Joint, Outcome, joints_of
-from lexstack_bag.replay.question import Question
 from lexstack_bag.replay.states import Arrivals, States
 from lexstack_bag.run.run import Planning, PlanStream, Run, SequenceEvent
 from lexstack_config.parts import build_team

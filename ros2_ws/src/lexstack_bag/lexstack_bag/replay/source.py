@@ -11,7 +11,7 @@ from lexstack.control import Controller
 from lexstack.robots import Team
 from lexstack.transition import Announcement, SourceSample, SourceSchedule
 from lexstack.types import RobotState
-from lexstack_bag.replay.question import Question
+from lexstack_bag.replay.changes import Question
 from lexstack_bag.replay.states import Arrivals, all_of
 from lexstack_bag.run.partial_chi import robots_of
 from lexstack_bag.run.run import ChiStream, Run, SolveStatus
@@ -50,7 +50,7 @@ class RecordedSource:
             controller.transition.hear(sample)
 
 
-def _revision(chi: ChiStream, row: int) -> int | None:
+def revision_of(chi: ChiStream, row: int) -> int | None:
     """Return the revision of the references that B solved with, None where it is not known."""
     known = int(chi.references[row]) if len(chi.references) else 0
     return known or None
@@ -114,6 +114,6 @@ def _samples(chi: ChiStream, team: Team) -> Iterator[tuple[int, SourceSample]]:
                 _slack(chi, row),
                 robots if some else None,
                 str(chi.stack[row]),
-                _revision(chi, row),
+                revision_of(chi, row),
             ),
         )

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from lexstack_bag.figures.phases import Phase
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.layout import TIME, single, stacked
-from lexstack_bag.report.traces import DASHES, GREY, SERIES, Plain, extremes, typed
+from lexstack_bag.report.traces import DASHES, GREY, SERIES, Plain, drawn, suffix, typed
 
 _MOST_POINTS = 3000  # of a path or a series
 _HATCHES = ("", "/", "x", "-", "+", ".", "|", "\\")  # told apart without colour
@@ -194,20 +194,17 @@ def series(
     stride = max(1, -(-count // _MOST_POINTS))
     traces = []
     for row, (_, unit, values) in enumerate(rows, start=1):
-        suffix = "" if row == 1 else str(row)
+        key = suffix(row)
         for i, (label, one) in enumerate(values.items()):
-            drawn = extremes(np.asarray(one, dtype=np.float64), stride)
             traces.append(
                 {
                     "type": "scatter",
                     "mode": "lines",
-                    "x0": span[0],
-                    "dx": step * stride,
-                    "y": typed(drawn),
+                    **drawn(np.asarray(one, dtype=np.float64), span[0], step, stride),
                     "name": label,
                     "line": {"color": SERIES[i % len(SERIES)], "dash": DASHES[i % len(DASHES)]},
-                    "xaxis": f"x{suffix}",
-                    "yaxis": f"y{suffix}",
+                    "xaxis": f"x{key}",
+                    "yaxis": f"y{key}",
                     "hovertemplate": f"%{{y:.5g}} {unit}",
                     "hoverlabel": {"namelength": -1},
                 }
@@ -216,7 +213,7 @@ def series(
     layout = stacked(titles, 190, phases, span)
     if log:
         for row in range(1, len(rows) + 1):
-            layout[f"yaxis{'' if row == 1 else row}"] |= {"type": "log", "exponentformat": "power"}
+            layout[f"yaxis{suffix(row)}"] |= {"type": "log", "exponentformat": "power"}
     return Figure(name, title, caption, traces, layout)
 
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from difflib import SequenceMatcher
 from pathlib import Path
 from typing import Any
 
@@ -13,17 +11,18 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from lexstack.types import Vector
-from lexstack_bag.figures.compare import MESSAGES, TROUBLE, Comparison, Difference
+from lexstack_bag.figures.compare import MESSAGES, TROUBLE, Comparison, Difference, paired
+from lexstack_bag.figures.figures import Analysis
 from lexstack_bag.figures.phases import Phase
-from lexstack_bag.figures.series import COMMANDER, Measures
+from lexstack_bag.figures.series import COMMANDER
 from lexstack_bag.report import control, tables
 from lexstack_bag.report.bands import with_bands
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.html import render
 from lexstack_bag.report.layout import level, stacked
 from lexstack_bag.report.page import document, figure_html
-from lexstack_bag.report.traces import ROBOTS, SERIES, VERMILLION, Plain, extremes, line, typed
-from lexstack_bag.run.run import Names, Run
+from lexstack_bag.report.traces import ROBOTS, SERIES, VERMILLION, Plain, drawn, line, typed
+from lexstack_bag.run.run import Names
 from lexstack_bag.run.wholeness import Band, bands_of
 
 _BEFORE = 0.5  # s, shown before a switch
@@ -35,16 +34,11 @@ _ORDINALS = ("First", "Second")
 _LEAST = 1e-3  # mm: a logarithm has no zero
 
 
-@dataclass(frozen=True, slots=True)
-class Side:
-    """One of the two runs."""
-
-    run: Run
-    measures: Measures
-    phases: tuple[Phase, ...]
+Sides = tuple[Analysis, Analysis]
+"""The two runs."""
 
 
-def write_comparison(path: Path, sides: tuple[Side, Side], comparison: Comparison) -> None:
+def write_comparison(path: Path, sides: Sides, comparison: Comparison) -> None:
     """Write the page of two runs to one HTML file."""
     pairs = list(_pairs(*(side.phases for side in sides)))
     figures = [
@@ -107,21 +101,12 @@ def _pairs(
     first: Sequence[Phase], second: Sequence[Phase]
 ) -> Iterator[tuple[Phase | None, Phase | None]]:
     """Yield the phases after the first switch: of both runs where their stacks follow alike."""
-    stacks = [[phase.stack for phase in phases] for phases in (first, second)]
-    for kind, i, k, j, n in SequenceMatcher(None, *stacks, autojunk=False).get_opcodes():
-        left: Sequence[Phase | None] = first[i:k]
-        right: Sequence[Phase | None] = second[j:n]
-        if kind == "equal":
-            pairs = list(zip(left, right, strict=True))
-        else:
-            pairs = [(one, None) for one in left] + [(None, one) for one in right]
-        # The first phase of a run begins with no switch.
-        yield from (p for p in pairs if p[0] is not first[0] and p[1] is not second[0])
+    # The first phase of a run begins with no switch.
+    pairs = paired(first, second)
+    yield from (p for p in pairs if p[0] is not first[0] and p[1] is not second[0])
 
 
-def _switch(
-    sides: tuple[Side, Side], pair: tuple[Phase | None, Phase | None], number: int
-) -> Figure:
+def _switch(sides: Sides, pair: tuple[Phase | None, Phase | None], number: int) -> Figure:
     """Return errors, alpha and accelerations of both runs after one switch, from its trigger on."""
     phase = pair[0] or pair[1]
     assert phase is not None
@@ -152,7 +137,7 @@ def _switch(
 
 def _with_bands(
     figure: Figure,
-    sides: tuple[Side, Side],
+    sides: Sides,
     zeros: Sequence[float | None],
     title: str,
     span: tuple[float, float],
@@ -171,7 +156,7 @@ def _with_bands(
     return figure
 
 
-def _after(side: Side, phase: Phase, which: int) -> list[Plain]:
+def _after(side: Analysis, phase: Phase, which: int) -> list[Plain]:
     """Return the traces of one run around one switch."""
     run, measures, status = side.run, side.measures, side.run.transition
     begin, end = phase.start - _BEFORE, phase.end
@@ -201,7 +186,7 @@ def _rows(names: Names, robot: str, count: int) -> NDArray[np.bool_]:
     return np.array([about[text] for text in names.tolist()], dtype=np.bool_)
 
 
-def _commands(sides: tuple[Side, Side]) -> Figure:
+def _commands(sides: Sides) -> Figure:
     """Return the command of any one joint in both runs, from their first switches on."""
     choices = control.joints(sides[0].run)
     zeros = [
@@ -244,5 +229,4 @@ def _cut(time: Vector, values: Any, begin: float, end: float, zero: float) -> Pl
     dense[places] = np.asarray(values, dtype=np.float64)[inside]
     dense[np.isinf(dense)] = np.nan
     stride = max(1, -(-len(dense) // _MOST_SAMPLES))
-    drawn = extremes(dense, stride)
-    return {"x0": float(times[0]) - zero, "dx": step * stride, "y": typed(drawn)}
+    return drawn(dense, float(times[0]) - zero, step, stride)

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from lexstack_bag.figures.phases import Phase
 from lexstack_bag.report.figure import letters
-from lexstack_bag.report.traces import GREY, Plain
+from lexstack_bag.report.traces import GREY, Plain, suffix
 
 TIME = "simulated time [s]"
 """Title of every axis of time."""
@@ -43,16 +43,7 @@ def stacked(
     rows = len(titles)
     layout = _base(rows * height + _TOP + _BOTTOM)
     for row, title in enumerate(titles, start=1):
-        key = "" if row == 1 else str(row)
-        low, high = _band(row - 1, rows)
-        layout[f"xaxis{key}"] = _axis(
-            TIME if row == rows else "",
-            anchor=f"y{key}",
-            showticklabels=row == rows,
-            range=list(span),
-            **({} if row == 1 else {"matches": "x"}),
-        )
-        layout[f"yaxis{key}"] = _axis(title, domain=[low, high], anchor=f"x{key}")
+        layout |= _plot(row, title, _band(row - 1, rows), span, last=row == rows)
     layout |= marks(phases)
     return layout
 
@@ -78,19 +69,10 @@ def grid(
     width = (1.0 - 0.09 * (columns - 1)) / columns
     for i in range(rows * columns):
         row, column = divmod(i, columns)
-        key = "" if i == 0 else str(i + 1)
         left = column * (width + 0.09)
-        layout[f"xaxis{key}"] = _axis(
-            TIME if row == rows - 1 else "",
-            domain=[left, left + width],
-            anchor=f"y{key}",
-            showticklabels=row == rows - 1,
-            range=list(span),
-            **({} if i == 0 else {"matches": "x"}),
-        )
-        layout[f"yaxis{key}"] = _axis(
-            titles[row][column], domain=list(_band(row, rows)), anchor=f"x{key}"
-        )
+        across = {"domain": [left, left + width]}
+        title, last = titles[row][column], row == rows - 1
+        layout |= _plot(i + 1, title, _band(row, rows), span, last=last, **across)
     layout["shapes"] = shapes
     layout["annotations"] = [
         {
@@ -106,6 +88,24 @@ def grid(
         for i, head in enumerate(heads)
     ]
     return layout
+
+
+def _plot(
+    number: int,
+    title: str,
+    band: tuple[float, float],
+    span: tuple[float, float],
+    *,
+    last: bool,
+    **across: Any,
+) -> Plain:
+    """Return the axes of one of several plots that share the axis of time [s]."""
+    key = suffix(number)
+    across |= {"anchor": f"y{key}", "showticklabels": last, "range": list(span)}
+    return {
+        f"xaxis{key}": _axis(TIME if last else "", **across, **({"matches": "x"} if key else {})),
+        f"yaxis{key}": _axis(title, domain=list(band), anchor=f"x{key}"),
+    }
 
 
 def single(x_title: str, y_title: str, height: int) -> Plain:
@@ -154,7 +154,7 @@ def vertical(time: float, axis: str, dash: str) -> Plain:
 
 def level(value: float, row: int, color: str) -> Plain:
     """Return a horizontal dashed line at a value of one plot."""
-    key = "" if row == 1 else str(row)
+    key = suffix(row)
     return {
         "type": "line",
         "xref": f"x{key} domain",

@@ -75,8 +75,7 @@ class Grid:
 
     def series(self, ticks: NDArray[np.int64], values: Any) -> Plain:
         """Return ``x0``, ``dx``, ``y`` of a trace that shows every peak."""
-        drawn = extremes(self.spread(ticks, values), self.stride)
-        return {"x0": self.start, "dx": self.period * self.stride, "y": typed(drawn)}
+        return drawn(self.spread(ticks, values), self.start, self.period, self.stride)
 
     def window(self, ticks: NDArray[np.int64], values: Any, begin: float, end: float) -> Plain:
         """Return ``x0``, ``dx``, ``y`` of the part between two times [s], more finely drawn."""
@@ -84,12 +83,12 @@ class Grid:
         high = min(self.count, int(np.ceil((end - self.start) / self.period)) + 1)
         dense = self.spread(ticks, values)[low:high]
         stride = max(1, -(-len(dense) // _MOST_WITHIN))
-        drawn = extremes(dense, stride)
-        return {
-            "x0": self.start + low * self.period,
-            "dx": self.period * stride,
-            "y": typed(drawn),
-        }
+        return drawn(dense, self.start + low * self.period, self.period, stride)
+
+
+def drawn(values: NDArray[np.float64], start: float, step: float, stride: int) -> Plain:
+    """Return ``x0``, ``dx``, ``y`` of values in even steps, one of them drawn per stride."""
+    return {"x0": start, "dx": step * stride, "y": typed(extremes(values, stride))}
 
 
 def extremes(values: NDArray[np.float64], stride: int) -> NDArray[np.float64]:
@@ -113,8 +112,18 @@ def extremes(values: NDArray[np.float64], stride: int) -> NDArray[np.float64]:
 
 def typed(values: NDArray[np.float64]) -> Plain:
     """Return an array as plotly.js takes it: single precision in base64."""
+    return {"dtype": "f4", "bdata": packed(values)}
+
+
+def packed(values: Any) -> str:
+    """Return numbers in single precision and base64."""
     data = np.ascontiguousarray(values, dtype="<f4").tobytes()
-    return {"dtype": "f4", "bdata": base64.b64encode(data).decode("ascii")}
+    return base64.b64encode(data).decode("ascii")
+
+
+def suffix(number: int) -> str:
+    """Return what plotly puts behind x and y of a plot's axes; the first one is 1."""
+    return "" if number == 1 else str(number)
 
 
 def line(
@@ -133,7 +142,7 @@ def line(
 
     What is shown under the pointer ends with ``unit``.
     """
-    suffix = "" if row == 1 else str(row)
+    key = suffix(row)
     return {
         "type": "scatter",
         "mode": "lines",
@@ -142,8 +151,8 @@ def line(
         "legendgroup": name,
         "showlegend": legend,
         "line": {"color": color, "width": width, "dash": dash, "simplify": False},
-        "xaxis": f"x{suffix}",
-        "yaxis": f"y{suffix}",
+        "xaxis": f"x{key}",
+        "yaxis": f"y{key}",
         "hoverlabel": {"namelength": -1},
         "hovertemplate": f"%{{y:.5g}} {unit}".rstrip(),
         **more,

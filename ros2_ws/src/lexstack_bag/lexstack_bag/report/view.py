@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from markupsafe import Markup
@@ -15,7 +13,7 @@ from lexstack_bag.figures.phases import Phase
 from lexstack_bag.figures.series import Measures
 from lexstack_bag.report.figure import letters
 from lexstack_bag.report.html import json_text, render
-from lexstack_bag.report.traces import ROBOTS, Plain
+from lexstack_bag.report.traces import ROBOTS, Plain, packed
 from lexstack_bag.run.run import Run, TransitionPhase
 
 _MOST_FRAMES = 6000  # 100 a second for a minute; the viewer goes evenly from one to the next
@@ -54,7 +52,7 @@ def play_data(run: Run, measures: Measures, phases: Sequence[Phase]) -> Plain:
     }
     switches = list(zip(letters(phases), phases[1:], strict=True))[:_MOST_MARKS]
     return {
-        "frames": {name: _packed(values) for name, values in frames.items()},
+        "frames": {name: packed(values) for name, values in frames.items()},
         "targets": _targets(measures),
         "paths": _paths(measures),
         "radii": obstacles.radii.tolist(),
@@ -76,7 +74,7 @@ def _targets(measures: Measures) -> Plain:
         np.concatenate([[*pose.position, *to_quaternion(pose.rotation)] for pose in now.ee])
         for now in (measures.references[row] for row in rows)
     ]
-    return {"from": _packed(measures.time[rows]), "poses": _packed(np.array(poses))}
+    return {"from": packed(measures.time[rows]), "poses": packed(np.array(poses))}
 
 
 def _alpha(run: Run, times: Vector) -> Vector:
@@ -96,10 +94,8 @@ def _paths(measures: Measures) -> list[Plain]:
     for i in range(measures.ee.shape[1]):
         base = measures.base[::stride, i].copy()
         base[:, 2] = 0.005  # m, above the floor
-        paths.append(
-            {"color": ROBOTS[i % len(ROBOTS)], "points": _packed(measures.ee[::stride, i])}
-        )
-        paths.append({"color": "#333333", "points": _packed(base)})
+        paths.append({"color": ROBOTS[i % len(ROBOTS)], "points": packed(measures.ee[::stride, i])})
+        paths.append({"color": "#333333", "points": packed(base)})
     return paths
 
 
@@ -109,9 +105,3 @@ def _box(measures: Measures) -> list[list[float]]:
     points = np.concatenate([measures.ee.reshape(-1, 3), base])
     lower, upper = points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN
     return [[*lower[:2].tolist(), 0.0], upper.tolist()]
-
-
-def _packed(values: Any) -> str:
-    """Return numbers in single precision and base64."""
-    data = np.ascontiguousarray(values, dtype="<f4").tobytes()
-    return base64.b64encode(data).decode("ascii")

@@ -14,8 +14,7 @@ from lexstack.mpc import MEASURES, SequenceTask
 from lexstack_bag.errors import BagError
 from lexstack_bag.run.columns import StreamBuilder, seconds
 from lexstack_bag.run.run import Planning, PlanStream, ProgressStream, SequenceEvent
-
-PLAN, PROGRESS, SEQUENCE = "/htmpc/plan", "/htmpc/status", "/htmpc/sequence"
+from lexstack_bag.topics import PLAN, PROGRESS, SEQUENCE
 
 
 class PlanBuilder:

@@ -10,9 +10,6 @@ from pathlib import Path
 
 from lexstack_config.resolved import ResolvedScenario
 
-SCENARIO = "/robot_a/scenario"
-"""Where robot A publishes the resolved scenario, for recorders that are not lexstack's own."""
-
 _PACKAGES = {
     "lexstack": "lexstack-core",
     "numpy": "numpy",
@@ -43,14 +40,14 @@ def run_facts(resolved: ResolvedScenario) -> dict[str, str]:
         "mode": scenario.mode,
         "seed": str(scenario.seed),
         "ros_distro": os.environ.get("ROS_DISTRO", "jazzy"),
-        "commit": _commit(),
+        "commit": source_commit(),
         "machine": platform.machine(),
         "python": platform.python_version(),
-        **{key: _version(package) for key, package in _PACKAGES.items()},
+        **{key: installed_version(package) for key, package in _PACKAGES.items()},
     }
 
 
-def _version(package: str) -> str:
+def installed_version(package: str) -> str:
     """Return an installed package's version; a bag can be written where some are missing."""
     try:
         return version(package)
@@ -58,7 +55,7 @@ def _version(package: str) -> str:
         return "not installed"
 
 
-def _commit() -> str:
+def source_commit() -> str:
     """Return the commit of this source, or that it is not known: an installed copy has none."""
     git = ["git", "-C", str(Path(__file__).resolve().parent)]
     try:

@@ -20,7 +20,6 @@ from lexstack_bag.run.columns import StreamBuilder, seconds
 from lexstack_bag.run.loss import LossCounter
 from lexstack_bag.run.partial_chi import ChiBuilder
 from lexstack_bag.run.plan_topics import PlanningCollector
-from lexstack_bag.run.provenance import SCENARIO
 from lexstack_bag.run.references import is_usable
 from lexstack_bag.run.run import (
     PlantStream,
@@ -34,17 +33,17 @@ from lexstack_bag.run.stretches import Stretch, Stretches, without_strangers
 from lexstack_bag.storage.container import Container, Progress, RawMessage, find_files
 from lexstack_bag.storage.decoder import Decoder
 from lexstack_bag.storage.writer import CLOSING_RECORD, SCENARIO_RECORD
+from lexstack_bag.topics import (
+    COMMAND,
+    DECISIONS,
+    PLANT_STATE,
+    REQUEST,
+    SCENARIO,
+    SOLUTION,
+    TRANSITION,
+)
 from lexstack_config.parts import build_team
 from lexstack_config.resolved import ResolvedScenario
-
-PLANT_STATE = "/plant/state"
-COMMAND = "/robot_a/chi"
-CONTROLLERS = ("robot_a", "robot_b")  # whatever the robots are called
-TRANSITION = "/robot_a/transition"
-REQUEST = "/robot_a/stack_request"
-DECISIONS = "/robot_a/references"
-NEEDED = (PLANT_STATE, COMMAND, TRANSITION)
-"""Topics without which there is nothing to analyse."""
 
 _SINCE = {"lead_in": 0.0}
 """Keys that older bags do not have, and what stands for them: their targets stepped."""
@@ -154,7 +153,7 @@ class _Collector:
         self.losses: dict[str, LossCounter] = defaultdict(LossCounter)
         self._plant = StreamBuilder(PlantStream, team.n, "first")
         self._transition = StreamBuilder(TransitionStream, team.n, "all")
-        self._chi = {f"/{controller}/chi": ChiBuilder(team) for controller in CONTROLLERS}
+        self._chi = {topic: ChiBuilder(team) for topic in (COMMAND, SOLUTION)}
         scenario = resolved.scenario
         self._planning = PlanningCollector(scenario.robots, scenario.rate, plans=plans)
         self._targets: list[Target] = []

@@ -18,9 +18,16 @@ from numpy.typing import NDArray
 from lexstack.mpc import SequenceTask
 from lexstack.references import Setting
 from lexstack.robots import Team
-from lexstack.types import Matrix, Vector
+from lexstack.transition import Phase as TransitionPhase
+from lexstack.types import Matrix, PlantStatus, Vector
 from lexstack_config.parts import build_team
 from lexstack_config.resolved import ResolvedScenario
+
+__all__ = [
+    "ChiStream", "Integers", "Names", "PlanStream", "Planning", "PlantStatus", "PlantStream",
+    "ProgressStream", "Ragged", "Run", "RunPart", "SequenceEvent", "Single", "SolveStatus",
+    "StackRequested", "Strings", "Target", "TransitionPhase", "TransitionStream", "read_only",
+]  # fmt: skip
 
 Integers = NDArray[np.int64]
 Strings = NDArray[Any]  # of str, equal texts are one object
@@ -29,32 +36,12 @@ Single = NDArray[np.float32]  # to look at: nothing is computed anew from it
 Ragged = NDArray[np.float64]  # rows of different lengths: nan at their ends
 
 
-class TransitionPhase(IntEnum):
-    """``phase`` of ``TransitionStatus``."""
-
-    IDLE = 0
-    REQUESTED = 1
-    PREPARING = 2
-    BLENDING = 3
-    ADOPTING = 4
-    ABORTED = 5
-
-
 class SolveStatus(IntEnum):
     """``status`` of ``Chi``."""
 
     SOLVED = 0
     FALLBACK = 1
     FAILED = 2
-
-
-class PlantStatus(IntEnum):
-    """``status`` of ``PlantState``."""
-
-    FOLLOWING = 0
-    HOLDING = 1
-    BRAKING = 2
-    PAUSED = 3
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
 
 from lexstack_bag.errors import BagError
 from lexstack_bag.storage.definitions import message_definition
+from lexstack_bag.storage.folders import writing
 from lexstack_bag.storage.mcap_file import McapFile
 from lexstack_bag.storage.metadata import Extent, Topic, bag_information, to_yaml
 from lexstack_bag.storage.presets import PRESETS, Storage
@@ -48,7 +47,7 @@ class BagWriter:
         self._channels: dict[str, int] = {}  # of the present file
         self._schemas: dict[str, int] = {}
         self._extents: dict[str, Extent] = {}  # by file name
-        with _writing(folder):
+        with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
             if any(folder.iterdir()):
                 raise BagError(f"{folder}: is not empty; a bag is never overwritten")
@@ -58,12 +57,7 @@ class BagWriter:
         """Return itself."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         """Close the bag."""
         self.close()
 
@@ -102,7 +96,7 @@ class BagWriter:
         Raises:
             BagError: the disk is full, or the like.
         """
-        with _writing(self._path):
+        with writing(self._path):
             begun = self._extent.start if self._extent.total else received
             if self._storage.is_full(self._file.size, 1e-9 * (received - begun)):
                 self._split()
@@ -114,7 +108,7 @@ class BagWriter:
 
     def flush(self) -> None:
         """Hand to the operating system what has waited long enough; raises BagError."""
-        with _writing(self._path):
+        with writing(self._path):
             self._file.flush()
 
     def close(self, lost: Mapping[str, int] | None = None) -> None:
@@ -135,7 +129,7 @@ class BagWriter:
             self._file.add_metadata(
                 CLOSING_RECORD, {**custom, "recorder_lost_by_topic": json.dumps(by_topic)}
             )
-        with _writing(self.folder):
+        with writing(self.folder):
             information = self._end_file(custom)
             # Renamed into place: whoever sees metadata.yaml sees all of it, and a whole .mcap.
             draft = self.folder / ".metadata.yaml"
@@ -148,7 +142,7 @@ class BagWriter:
         self._path = self.folder / f"{self.folder.name}_{len(self._extents)}.mcap"
         self._extent = self._extents[self._path.name] = Extent()
         self._schemas = {}
-        with _writing(self._path):
+        with writing(self._path):
             self._file = McapFile(self._path, PRESETS[self._storage.preset])
             self._file.add_metadata(SCENARIO_RECORD, self._facts)
             for topic in self._topics.values():
@@ -185,12 +179,3 @@ class BagWriter:
                 "topic_type_hash": topic.type_hash,
             },
         )
-
-
-@contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    """Turn what the disk refuses into a BagError."""
-    try:
-        yield
-    except OSError as error:
-        raise BagError(f"{path}: cannot be written: {error.strerror}") from error

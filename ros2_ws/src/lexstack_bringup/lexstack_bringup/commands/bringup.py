@@ -9,23 +9,21 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from types import FrameType
-
-import rclpy
-from rclpy.experimental import EventsExecutor
-from rclpy.signals import SignalHandlerOptions
 
 from lexstack.errors import ConfigurationError, LexstackError
 from lexstack_bringup.commands.demo import (
+    InterruptError,
     add_run_arguments,
+    interrupt,
     is_file,
     play_shown,
+    player_of,
     resolve_scenario,
     run_folder,
     tell_unfit,
 )
 from lexstack_bringup.hosts import SERVER, VARIABLES, HostsConfig, load_hosts
-from lexstack_bringup.player import PLAYER, Player
+from lexstack_bringup.player import PLAYER
 from lexstack_bringup.processes import NODES, PLANNERS, bring_up, nodes_of
 from lexstack_bringup.shared_memory import remove_abandoned
 from lexstack_bringup.supervisor import Supervisor
@@ -35,15 +33,11 @@ _LOOK = 0.2  # s between two looks whether all still run
 _KNOWN = (*NODES, *PLANNERS, PLAYER, SERVER)
 
 
-class _InterruptError(Exception):
-    """SIGINT or SIGTERM came."""
-
-
 def main(arguments: list[str] | None = None) -> int:
     """Run the command; returns 0, 1 where a node failed, 2 for bad arguments, 130 for Ctrl-C."""
     root = Path(os.environ.get("LEXSTACK_ROOT", ".")).resolve()
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _interrupt)
+        signal.signal(number, interrupt)
     try:
         options = _parser(root).parse_args(arguments)
         hosts = load_hosts(_host_file(root, options.host_config), _KNOWN)
@@ -56,7 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
     except ConfigurationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    except _InterruptError:
+    except InterruptError:
         return 130
     try:
         return share.run(resolved, out)
@@ -101,7 +95,7 @@ class Share:
                 self._bring_up(supervisor, out)
                 ready = True
                 self._stay(supervisor)
-        except _InterruptError:
+        except InterruptError:
             return 0 if ready else 130
         finally:
             _end(supervisor)
@@ -123,17 +117,10 @@ class Share:
 
     def _play(self, resolved: ResolvedScenario, supervisor: Supervisor, out: Path) -> None:
         """Bring up, and play the scenario from this process."""
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        executor = EventsExecutor()
-        player = Player(resolved, executor)
-        try:
+        with player_of(resolved) as player:
             self._bring_up(supervisor, out, users=[PLAYER])
             play_shown(resolved, player, supervisor)
             print(f"{self.host}: the scenario has been played", flush=True)
-        finally:
-            executor.shutdown()
-            player.destroy_node()
-            rclpy.try_shutdown()
 
     def _stay(self, supervisor: Supervisor) -> None:
         """Watch the nodes until a signal comes; raises ChildDiedError when one ends."""
@@ -176,11 +163,6 @@ def _host_file(root: Path, given: str) -> Path:
     """Return a configured file by its name, or any file."""
     configured = root / "config" / "hosts" / f"{given}.yaml"
     return configured if is_file(configured) else Path(given)
-
-
-def _interrupt(_number: int, _frame: FrameType | None) -> None:
-    """Turn a signal into an exception of the main thread."""
-    raise _InterruptError
 
 
 if __name__ == "__main__":

@@ -7,7 +7,8 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -21,7 +22,7 @@ from lexstack.errors import ConfigurationError, LexstackError
 from lexstack.options import shown
 from lexstack_bag.commands.analyze import analyze, printable
 from lexstack_bag.figures.goals import summary_lines
-from lexstack_bag.storage.folders import whose
+from lexstack_bag.storage.folders import empty_folder
 from lexstack_bringup.domain import own_domain
 from lexstack_bringup.live_page import start_page
 from lexstack_bringup.player import PLAYER, Player
@@ -39,14 +40,14 @@ _SLOWEST = 30.0  # wall seconds per simulated second after which a run counts as
 _PERIOD = 0.5  # s between two progress lines
 
 
-class _InterruptError(Exception):
+class InterruptError(Exception):
     """SIGINT or SIGTERM came."""
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command; returns 0, 1 where the run failed, 2 for bad arguments, 130 for Ctrl-C."""
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _interrupt)
+        signal.signal(number, interrupt)
     root = Path(os.environ.get("LEXSTACK_ROOT", ".")).resolve()
     try:
         options = _parser(root).parse_args(arguments)
@@ -61,7 +62,7 @@ def main(arguments: list[str] | None = None) -> int:
     except LexstackError as error:
         print(f"\nerror: {error}\nlogs: {out / 'logs'}", file=sys.stderr)
         return 1
-    except _InterruptError:
+    except InterruptError:
         print(f"\ninterrupted; ./scripts/analyze {out} shows what was recorded", file=sys.stderr)
         return 130
 
@@ -153,16 +154,7 @@ def run_folder(root: Path, out: Path | None, scenario: str) -> Path:
     if out is None:
         stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
         out = root / "runs" / f"{scenario}-{stamp}"
-    out = out.resolve()
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        if any(out.iterdir()):
-            raise ConfigurationError(f"--out: {out} is not empty; name another folder")
-    except PermissionError as error:
-        raise ConfigurationError(f"--out: {out}: {error.strerror}: {whose(out)}") from error
-    except OSError as error:
-        raise ConfigurationError(f"--out: {out}: {error.strerror}") from error
-    return out
+    return empty_folder(out)
 
 
 def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *, view: bool) -> int:
@@ -189,7 +181,7 @@ def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *,
     if killed:
         print(f"warning: had to be killed: {', '.join(killed)}", file=sys.stderr)
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _interrupt)
+        signal.signal(number, interrupt)
     metrics = analyze(out / "bag", out, print)
     print("\n" + "\n".join(map(printable, summary_lines(metrics))))
     return 0
@@ -204,15 +196,22 @@ def _play(
     view: bool,
 ) -> None:
     """Bring up the processes and play the scenario, with a line of progress."""
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    executor = EventsExecutor()
-    player = Player(resolved, executor)
-    try:
+    with player_of(resolved) as player:
         path, bag = out / "scenario.yaml", out / "bag"
         if view:
             print(f"watch it at {start_page(supervisor, path)}", flush=True)
         bring_up(supervisor, path, bag, peers=[PLAYER], recording=recording)
         play_shown(resolved, player, supervisor)
+
+
+@contextmanager
+def player_of(resolved: ResolvedScenario) -> Iterator[Player]:
+    """Yield the player of a scenario, a node of this process."""
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    executor = EventsExecutor()
+    player = Player(resolved, executor)
+    try:
+        yield player
     finally:
         executor.shutdown()
         player.destroy_node()
@@ -262,9 +261,9 @@ def _where(status: TransitionStatus) -> str:
     return f"{status.to_stack}, alpha {status.alpha:.2f}"
 
 
-def _interrupt(_number: int, _frame: FrameType | None) -> None:
+def interrupt(_number: int, _frame: FrameType | None) -> None:
     """Turn a signal into an exception of the main thread."""
-    raise _InterruptError
+    raise InterruptError
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ from lexstack_bag.replay.requests import requests_of
 from lexstack_bag.run.reader import read_facts, read_run
 from lexstack_bag.storage.container import Container, by_log_time, find_files
 from lexstack_bag.storage.decoder import Decoder
+from lexstack_bag.storage.folders import writing
 from lexstack_bag.storage.selection import Selection
 from lexstack_bringup.bag_player import LIVE, BagPlayer, paced
 
@@ -134,10 +135,8 @@ def _publish(options: argparse.Namespace) -> int:
 def _write_scenario(container: Container, path: Path) -> int:
     """Write the scenario that a bag carries."""
     _, resolved = read_facts(container)
-    try:
+    with writing(path):
         path.write_text(resolved.to_yaml(), encoding="utf-8")
-    except OSError as error:
-        raise BagError(f"{path}: cannot be written: {error.strerror}") from error
     print(f"wrote {path}")
     return 0
 

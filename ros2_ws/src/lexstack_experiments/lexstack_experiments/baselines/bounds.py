@@ -1,8 +1,6 @@
-"""The boxes on chi that paper T prints, T(31) and T(34): they can be empty, and are counted."""
+"""The boxes on chi that paper T prints, T(31) and T(34): they can be empty."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -42,37 +40,10 @@ def t34(before: Bounds, new: Bounds, part: float) -> Bounds:
     return Bounds(part * new.lower + rest * before.lower, part * new.upper + rest * before.upper)
 
 
-@dataclass
-class EmptyBoxes:
-    """Counts boxes that hold nothing.
+def replaced(bounds: Bounds, chi: Vector) -> Bounds:
+    """Return a box with each empty interval replaced by what ``chi`` (n,) says.
 
-    Attributes:
-        boxes: how many were counted, one per tick.
-        empty: how many of them no chi fits in.
-        joints: empty intervals in all of them.
+    No solver can serve an empty box; an experiment that wants to go on serves this one.
     """
-
-    boxes: int = 0
-    empty: int = 0
-    joints: int = 0
-
-    def count(self, bounds: Bounds) -> Bounds:
-        """Count a box and return it as it is."""
-        joints = bounds.empty
-        self.boxes += 1
-        self.empty += joints > 0
-        self.joints += joints
-        return bounds
-
-    def repaired(self, bounds: Bounds) -> Bounds:
-        """Count a box and return it with each empty interval replaced by its middle.
-
-        No solver can serve an empty box; an experiment that wants to go on serves this one.
-        """
-        return self.replaced(bounds, 0.5 * (bounds.lower + bounds.upper))
-
-    def replaced(self, bounds: Bounds, chi: Vector) -> Bounds:
-        """Count a box and return it with each empty interval replaced by what ``chi`` (n,) says."""
-        self.count(bounds)
-        empty = bounds.lower > bounds.upper
-        return Bounds(np.where(empty, chi, bounds.lower), np.where(empty, chi, bounds.upper))
+    empty = bounds.lower > bounds.upper
+    return Bounds(np.where(empty, chi, bounds.lower), np.where(empty, chi, bounds.upper))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lexstack.hqp import Solution
 from lexstack.mpc import (
     CollisionScene,
     Htmpc,
@@ -24,6 +25,9 @@ from lexstack_experiments.baselines.htidkc import Htidkc
 
 Around = Callable[[Vector], CollisionScene]
 """What is in the way at the times of the states 1 to N [s]."""
+
+Solve = tuple[float, Vector, Vector, Plan | Solution]
+"""The time [s], q and v to which a solve led, and the solve."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +58,19 @@ class Record:
     levels: tuple[tuple[LevelStatus, ...], ...]
     failures: int
 
+    @classmethod
+    def of(cls, q: Vector, solves: list[Solve]) -> Record:
+        """Return what came of solves, from rest at q (n,)."""
+        answers = [answer for *_, answer in solves]
+        return cls(
+            np.array([0.0, *(time for time, *_ in solves)]),
+            np.array([q, *(q for _, q, _, _ in solves)]),
+            np.array([np.zeros_like(q), *(v for _, _, v, _ in solves)]),
+            np.array([answer.solve_time for answer in answers]),
+            tuple(answer.levels for answer in answers if isinstance(answer, Plan)),
+            sum(not answer.solved for answer in answers),
+        )
+
 
 def objectives_of(
     tracks: tuple[Track, ...], times: Vector, preview: bool = True
@@ -80,39 +97,29 @@ def follow_htmpc(
     *,
     preview: bool = True,
     around: Around | None = None,
-    watch: Callable[[Plan], None] = lambda _plan: None,
 ) -> Record:
-    """Follow tracks from rest at q, one solve per stage; ``watch`` sees every plan."""
-    step = optimiser.config.step
-    book = _Book(q)
-    v, plan = np.zeros_like(q), None
-    for k in range(round(seconds / step)):
-        now = k * step
-        times = now + optimiser.horizon.times
-        objectives = objectives_of(tracks, times, preview)
-        surroundings = None if around is None else around(times[1:])
-        plan = optimiser.solve(Start(now, q, v), objectives, plan, surroundings)
-        watch(plan)
-        q, v = plan.q[1], plan.v[1]
-        book.add(now + step, q, v, plan.solve_time, plan.solved, plan.levels)
-    return book.record()
+    """Follow tracks from rest at q, one solve per stage."""
+
+    def wanted(now: float, _q: Vector) -> tuple[Objective, ...]:
+        return objectives_of(tracks, now + optimiser.horizon.times, preview)
+
+    return _driven(optimiser, q, seconds, wanted, around)
 
 
 def follow_htidkc(
     controller: Htidkc, q: Vector, tracks: tuple[Track, ...], seconds: float
 ) -> Record:
     """Follow tracks from rest at q; a failed solve brakes as the core does, and is counted."""
-    step = controller.period
-    book = _Book(q)
-    v = np.zeros_like(q)
+    step, begin = controller.period, q
+    v, solves = np.zeros_like(q), list[Solve]()
     for k in range(round(seconds / step)):
         now = np.array([k * step])
         references = tuple((track.kind, track.trajectory.at(now)[0]) for track in tracks)
         solution = controller.solve(q, v, references)
         v = solution.chi
         q = q + step * v
-        book.add((k + 1) * step, q, v, solution.solve_time, solution.solved, ())
-    return book.record()
+        solves.append(((k + 1) * step, q, v, solution))
+    return Record.of(begin, solves)
 
 
 def carry_out(
@@ -134,62 +141,37 @@ def carry_out(
         around: what is in the way.
         event: called at every state before it counts: releases, moves targets, inserts, cancels.
     """
-    step = optimiser.config.step
-    book = _Book(q)
-    v, plan = np.zeros_like(q), None
     done: list[tuple[float, str]] = []
-    for k in range(round(longest / step)):
-        now = k * step
+
+    def wanted(now: float, q: Vector) -> tuple[Objective, ...] | None:
+        nonlocal sequence
         present = RobotPose.of(optimiser.robot, now, q)
         before = event(sequence, present)
         sequence = before.advanced(present)
         if sequence.first != before.first:
             done.append((now, before.window[0].name))
-        if sequence.done:
+        return None if sequence.done else sequence.objectives(now + optimiser.horizon.times[1:])
+
+    return _driven(optimiser, q, longest, wanted, around), tuple(done)
+
+
+def _driven(
+    optimiser: Htmpc,
+    q: Vector,
+    seconds: float,
+    wanted: Callable[[float, Vector], tuple[Objective, ...] | None],
+    around: Around | None,
+) -> Record:
+    """Return the loop from rest at q, by what is wanted at a time [s] and place; None ends it."""
+    step, begin = optimiser.config.step, q
+    v, plan, solves = np.zeros_like(q), None, list[Solve]()
+    for k in range(round(seconds / step)):
+        now = k * step
+        objectives = wanted(now, q)
+        if objectives is None:
             break
-        times = now + optimiser.horizon.times[1:]
-        surroundings = None if around is None else around(times)
-        plan = optimiser.solve(Start(now, q, v), sequence.objectives(times), plan, surroundings)
+        surroundings = None if around is None else around(now + optimiser.horizon.times[1:])
+        plan = optimiser.solve(Start(now, q, v), objectives, plan, surroundings)
         q, v = plan.q[1], plan.v[1]
-        book.add(now + step, q, v, plan.solve_time, plan.solved, plan.levels)
-    return book.record(), tuple(done)
-
-
-class _Book:
-    """Collects a record."""
-
-    def __init__(self, q: Vector) -> None:
-        """Begin at rest at q, shape (n,)."""
-        self._times, self._q, self._v = [0.0], [q], [np.zeros_like(q)]
-        self._solve_times: list[float] = []
-        self._levels: list[tuple[LevelStatus, ...]] = []
-        self._failures = 0
-
-    def add(
-        self,
-        time: float,
-        q: Vector,
-        v: Vector,
-        solve_time: float,
-        solved: bool,
-        levels: tuple[LevelStatus, ...],
-    ) -> None:
-        """Add the state after a solve."""
-        self._times.append(time)
-        self._q.append(q)
-        self._v.append(v)
-        self._solve_times.append(solve_time)
-        self._failures += not solved
-        if levels:
-            self._levels.append(levels)
-
-    def record(self) -> Record:
-        """Return all that was added."""
-        return Record(
-            np.array(self._times),
-            np.array(self._q),
-            np.array(self._v),
-            np.array(self._solve_times),
-            tuple(self._levels),
-            self._failures,
-        )
+        solves.append((now + step, q, v, plan))
+    return Record.of(begin, solves)

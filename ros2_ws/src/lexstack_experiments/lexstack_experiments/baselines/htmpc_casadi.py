@@ -12,9 +12,17 @@ import casadi as ca
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.mpc import BarrierConfig, CollisionConfig, HtmpcConfig, Kind, stage_function
+from lexstack.mpc import (
+    BarrierConfig,
+    CollisionConfig,
+    CollisionScene,
+    HtmpcConfig,
+    Kind,
+    Objective,
+    stage_function,
+)
 from lexstack.robots import RobotModel
-from lexstack.types import Matrix
+from lexstack.types import Matrix, Vector
 
 ROWS: dict[Kind, int] = {"ee_position": 3, "base_position": 2, "base_pose": 3}
 """The kinds of tasks that are written here, and the length of their errors."""
@@ -87,6 +95,17 @@ def program(
     return Symbols(
         x, u, start, references, obstacles, gaps, errors, costs, shared_cost, rooms, smooth
     )
+
+
+def parameters_of(
+    start: tuple[Vector, Vector, Vector],
+    objectives: tuple[Objective, ...],
+    around: CollisionScene | None,
+    stages: int,
+) -> list[Matrix]:
+    """Return the values of start, obstacles and references in a program."""
+    centers = np.zeros((0, stages)) if around is None else around.centers.reshape(stages, -1).T
+    return [np.concatenate(start), centers, *(each.reference.T for each in objectives)]
 
 
 def _gaps(x: ca.MX, u: ca.MX, start: ca.MX, step: float) -> ca.MX:

@@ -12,7 +12,7 @@ from lexstack.errors import InputError
 from lexstack.mpc import CollisionScene, HtmpcConfig, Kind, Objective, Task
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
-from lexstack_experiments.baselines.htmpc_casadi import Symbols, program
+from lexstack_experiments.baselines.htmpc_casadi import Symbols, parameters_of, program
 
 _INTERIOR = 1e-6  # m, rad: an interior-point method needs one, also where e* is zero
 _OPTIONS = {
@@ -82,11 +82,7 @@ class HtmpcOracle:
         if tuple(objective.kind for objective in objectives) != self._kinds:
             raise InputError(f"oracle: made for {self._kinds}")
         tasks = [Task(objective, self._config, self._robot.n) for objective in objectives]
-        centers = np.zeros((0, self._config.horizon))
-        if around is not None:
-            centers = around.centers.reshape(self._config.horizon, -1).T
-        references = [objective.reference.T for objective in objectives]
-        parameters = [np.concatenate(start), centers, *references]
+        parameters = parameters_of(start, objectives, around, self._config.horizon)
         levels: list[OracleLevel] = []
         bounds: list[Vector] = []
         u = guess

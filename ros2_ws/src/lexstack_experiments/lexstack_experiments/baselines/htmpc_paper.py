@@ -18,7 +18,13 @@ import numpy as np
 from lexstack.mpc import CollisionScene, Horizon, HtmpcConfig, Kind, Objective
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
-from lexstack_experiments.baselines.htmpc_casadi import Symbols, curvature, program, weights_of
+from lexstack_experiments.baselines.htmpc_casadi import (
+    Symbols,
+    curvature,
+    parameters_of,
+    program,
+    weights_of,
+)
 
 SOLVERS: dict[str, dict[str, object]] = {
     "gurobi": {},
@@ -97,15 +103,7 @@ class PaperHtmpc:
             around: obstacles, as many as radii were given.
         """
         begun = perf_counter()
-        stages = self._config.horizon
-        centers = np.zeros((0, stages))
-        if around is not None:
-            centers = around.centers.reshape(stages, -1).T
-        given = [
-            np.concatenate(start),
-            centers,
-            *(objective.reference.T for objective in objectives),
-        ]
+        given = parameters_of(start, objectives, around, self._config.horizon)
         u, best = guess, list[Vector]()
         for level in range(len(objectives)):
             u = self._level(level, u, given, best)

@@ -9,7 +9,7 @@ import numpy as np
 from lexstack.limits import Bounds, JointLimits
 from lexstack.transition import alpha
 from lexstack.types import RobotState, Vector
-from lexstack_experiments.baselines.bounds import EmptyBoxes, t31, t34
+from lexstack_experiments.baselines.bounds import replaced, t31, t34
 
 Reading = Literal["T(31)", "T(34) old limits", "T(34) last box"]
 """T(31) with the new limits at once; or T(34) with one of two readings of chi_min(t - dt)."""
@@ -24,7 +24,6 @@ class PrintedLaw:
 
     Attributes:
         dt: control period [s].
-        boxes: what was counted.
         empty_ticks: those at which a box was empty.
     """
 
@@ -33,7 +32,6 @@ class PrintedLaw:
     ) -> None:
         """Start with the robots' own limits; ``duration`` of the blend of T(34) [s], quintic."""
         self.dt = dt
-        self.boxes = EmptyBoxes()
         self.empty_ticks: list[int] = []
         self._duration, self._reading, self._repair = duration, reading, repair
         self._old = self._new = own
@@ -53,7 +51,7 @@ class PrintedLaw:
             box = t34(before, box, alpha("quintic", elapsed, self._duration))
         if box.empty:
             self.empty_ticks.append(state.tick)
-        self._last = self.boxes.replaced(box, self._instead(state, wanted))
+        self._last = replaced(box, self._instead(state, wanted))
         return wanted, self._last
 
     def _before(self, state: RobotState) -> Bounds | None:

@@ -57,15 +57,13 @@ def run(options: Options) -> Results:
         (o.minutes, o.messages, o.size, o.seconds, o.peak, 60.0 * o.minutes / o.seconds)
         for o in outcomes
     )
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (
             Figure("Peak memory, one hour", hour.peak if hour else None, "MB", Goal("<=", _PEAK)),
             Figure("Analysis of one hour", hour.seconds if hour else None, "s"),
         ),
-        (Table(columns, tuple(rows)),),
+        Table(columns, rows),
         {"rate_hz": resolved.scenario.rate, "robots": len(resolved.scenario.robots)},
         ("Report and pictures included; the peak is that of the whole process.",),
     )

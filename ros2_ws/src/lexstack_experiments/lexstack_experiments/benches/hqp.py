@@ -10,7 +10,6 @@ last solution to start from if it can use it; the time is that of the call, stac
 
 from __future__ import annotations
 
-import gc
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -19,10 +18,11 @@ from numpy.typing import NDArray
 
 from lexstack.hqp import HqpSolver, make_solver
 from lexstack_experiments.experiment import Experiment, Options
-from lexstack_experiments.hierarchies.certificate import certified_excess
 from lexstack_experiments.hierarchies.peers import STRICT, WEIGHTED, Pink, installed
 from lexstack_experiments.hierarchies.recorded import Sequence, record
-from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
+from lexstack_experiments.hierarchies.score import Score
+from lexstack_experiments.measuring import no_collection, p50_p99
+from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 from lexstack_experiments.runs import scenario_of
 
 NAME = "hqp"
@@ -104,13 +104,11 @@ def run(options: Options) -> Results:
         (name, len(s.problems), len(s.problems[0].levels), s.pressed)
         for name, s in sequences.items()
     )
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(runs)),
+        _figures(runs),
         (
-            Table(_COLUMNS, tuple(lines)),
+            Table(_COLUMNS, lines),
             Table(("sequence", "problems", "levels", "share at bounds"), about, "the problems"),
         ),
         {"plant": "ideal", "rate_hz": resolved.scenario.rate, "robots": 2, "slower": SLOWER},
@@ -139,14 +137,10 @@ def _measured(
         solvers = {name: s for name, s in solvers.items() if not isinstance(s, Pink)}
     times = {name: np.empty((options.cases, len(sequence.problems))) for name in solvers}
     judged = {name: _judge(sequence, solver) for name, solver in solvers.items()}
-    gc.collect()
-    gc.disable()
-    try:
+    with no_collection():
         for number in range(options.cases):
             for name, solver in solvers.items():
                 times[name][number] = _US * _timed(sequence, solver)
-    finally:
-        gc.enable()
     options.say(f"{_name(sequence)}: {sequence.pressed:.0%} at bounds")
     return {name: Run(*judged[name], times[name]) for name in solvers}
 
@@ -163,39 +157,24 @@ def _timed(sequence: Sequence, solver: HqpSolver) -> NDArray[np.float64]:
 
 def _judge(sequence: Sequence, solver: HqpSolver) -> tuple[int, float, float]:
     """Return failures, largest excess and largest way out of the bounds; it warms up, too."""
-    failures, largest, outside, warm = 0, 0.0, 0.0, None
+    found, warm = Score(STRICT_WITHIN), None
     for problem in sequence.problems:
-        warm = solver.solve(problem, warm)
-        chi = warm.chi
-        if not (warm.solved and np.isfinite(chi).all()):
-            failures += 1
-            continue
-        lower, upper = problem.bounds.lower, problem.bounds.upper
-        outside = max(outside, float(np.max([lower - chi, chi - upper])))
-        excess = max(certified_excess(problem, np.minimum(np.maximum(chi, lower), upper)))
-        failures += excess > STRICT_WITHIN
-        largest = max(largest, excess)
-    return failures, largest, outside
+        warm = found.add(problem, solver, warm=warm)
+    return found.failures, found.excess, found.outside
 
 
 def _line(name: str, solver: str, found: Run) -> tuple[Cell, ...]:
     """Return a row of the table."""
     quiet = float(np.median(found.times.min(axis=0)))
-    p99 = float(np.percentile(found.times, 99))
     excess, outside = f"{found.excess:.1e}", f"{found.outside:.1e}"
-    return name, solver, found.failures, excess, outside, found.p50, p99, quiet
+    return name, solver, found.failures, excess, outside, *p50_p99(found.times), quiet
 
 
 def _figures(runs: dict[str, dict[str, Run]]) -> list[Figure]:
     """Return what the default solver is to reach, beside the fastest strict peer."""
     default = f"lexstack {OURS[0]}"
     figures = [
-        Figure(
-            "Failures of the default solver",
-            sum(by[default].failures for by in runs.values()),
-            "",
-            Goal("==", 0.0),
-        ),
+        zero("Failures of the default solver", sum(by[default].failures for by in runs.values())),
         Figure(
             "Excess of the default solver",
             1e9 * max(by[default].excess for by in runs.values()),

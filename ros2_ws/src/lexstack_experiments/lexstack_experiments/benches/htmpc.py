@@ -13,7 +13,6 @@ The paper's way (CasADi's sparse QP, its object built anew for every QP) solves 
 from __future__ import annotations
 
 import dataclasses
-import gc
 from dataclasses import dataclass
 from importlib.util import find_spec
 from time import thread_time
@@ -29,7 +28,8 @@ from lexstack_config.resolved import load_htmpc, load_robot
 from lexstack_experiments.baselines.htloop import Track, objectives_of
 from lexstack_experiments.baselines.htmpc_paper import LICENSED, SOLVERS, PaperHtmpc
 from lexstack_experiments.experiment import Experiment, Options
-from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
+from lexstack_experiments.measuring import no_collection
+from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 
 NAME = "htmpc"
 SOLVES = 1000
@@ -44,21 +44,6 @@ _TWICE = Goal("<=", 2.5)
 _HALF = 8.0  # s, half a period of the square wave
 _RADIUS = 0.2  # m, of the obstacles
 
-_COLUMNS = (
-    "robot",
-    "N",
-    "spheres",
-    "parameters",
-    "ms p50",
-    "ms p99",
-    "ms worst",
-    "ms mean",
-    "cpu ms p50",
-    "cpu ms p99",
-    "failed",
-    "paper ms p50",
-    "ratio",
-)
 _NOTES = (
     "ms: wall time of a two-level solve; cpu ms: time of the thread, without what others took.",
     "failed: solves of which a level failed; ratio: cpu p50 of the paper's way over ours.",
@@ -148,50 +133,34 @@ class Loop:
                 self.paper_cpu.append(thread_time() - begun)
             self._plan, self._q, self._v = plan, plan.q[1], plan.v[1]
 
-    def cells(self) -> tuple[Cell, ...]:
+    def cells(self) -> dict[str, Cell]:
         """Return the row of the table."""
         row = self.row
-        paper = self.paper_p50
-        return (
-            row.robot,
-            row.horizon,
-            SPHERES if row.spheres else 0,
-            row.parameters,
-            self.p50,
-            self.p99,
-            _MS * max(self.wall),
-            _MS * float(np.mean(self.wall)),
-            self.cpu_p50,
-            _MS * float(np.percentile(self.cpu, 99)),
-            self.failed,
-            paper,
-            self.ratio,
-        )
-
-    @property
-    def p50(self) -> float:
-        """Median of our solves [ms]."""
-        return _MS * float(np.median(self.wall))
-
-    @property
-    def cpu_p50(self) -> float:
-        """Median of the thread's time of our solves [ms]."""
-        return _MS * float(np.median(self.cpu))
-
-    @property
-    def p99(self) -> float:
-        """Of our solves [ms]."""
-        return _MS * float(np.percentile(self.wall, 99))
+        return {
+            "robot": row.robot,
+            "N": row.horizon,
+            "spheres": SPHERES if row.spheres else 0,
+            "parameters": row.parameters,
+            "ms p50": _ms(self.wall),
+            "ms p99": _ms(self.wall, 99),
+            "ms worst": _MS * max(self.wall),
+            "ms mean": _MS * float(np.mean(self.wall)),
+            "cpu ms p50": _ms(self.cpu),
+            "cpu ms p99": _ms(self.cpu, 99),
+            "failed": self.failed,
+            "paper ms p50": _ms(self.paper),
+            "ratio": self.ratio,
+        }
 
     @property
     def ratio(self) -> float | None:
         """The paper's way over ours, in medians of the thread's time, None where it did not run."""
         return float(np.median(self.paper_cpu) / np.median(self.cpu)) if self.paper else None
 
-    @property
-    def paper_p50(self) -> float | None:
-        """Median of the paper's way [ms], None where it did not run."""
-        return _MS * float(np.median(self.paper)) if self.paper else None
+
+def _ms(times: list[float], percent: float = 50.0) -> float | None:
+    """Return a percentile of times [s] in ms, by default the median; None without any."""
+    return _MS * float(np.percentile(times, percent)) if times else None
 
 
 def run(options: Options) -> Results:
@@ -212,22 +181,16 @@ def run(options: Options) -> Results:
         loops[row].wall.clear()
         loops[row].cpu.clear()
     options.say("all built")
-    gc.collect()
-    gc.disable()
-    try:
+    with no_collection():
         for begun in range(0, options.cases, _TURN):
             for loop in loops.values():
                 loop.advance(min(_TURN, options.cases - begun))
             options.say(f"{min(begun + _TURN, options.cases)} of {options.cases} solves per row")
-    finally:
-        gc.enable()
     failures = sum(loop.paper_failed for loop in loops.values())
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(loops, paper)),
-        (Table(_COLUMNS, tuple(loop.cells() for loop in loops.values())),),
+        _figures(loops, paper),
+        Table.of(loop.cells() for loop in loops.values()),
         {"paper_qp_solver": paper, "paper_qp_failures": failures, "obstacles": OBSTACLES},
         _NOTES,
     )
@@ -245,22 +208,25 @@ def _figures(loops: dict[Row, Loop], paper: str) -> list[Figure]:
     """Return the figures to reach."""
     figures = []
     for row, loop in loops.items():
-        peer = Peer(f"the paper's way, {paper}", loop.paper_p50) if loop.paper else None
+        peer = Peer(f"the paper's way, {paper}", _ms(loop.paper)) if loop.paper else None
         if row.horizon == 10:
             goal = Goal("<=", 4.0 if row.spheres else 2.0)
-            figures.append(Figure(f"{row.text}: p50", loop.p50, "ms", goal, "63 ms mean", peer))
+            figures.append(
+                Figure(f"{row.text}: p50", _ms(loop.wall), "ms", goal, "63 ms mean", peer)
+            )
             if not row.spheres:
-                figures.append(Figure(f"{row.text}: p99", loop.p99, "ms", Goal("<=", 6.0)))
+                figures.append(
+                    Figure(f"{row.text}: p99", _ms(loop.wall, 99), "ms", Goal("<=", 6.0))
+                )
             if loop.paper:
                 name = f"{row.text}: the paper's way over ours"
                 figures.append(Figure(name, loop.ratio, "", Goal(">=", 20.0)))
         if row.horizon == 20 and not row.spheres:
             short = loops[dataclasses.replace(row, horizon=10)]
-            figures.append(
-                Figure(f"{row.text}: cpu over N = 10", loop.cpu_p50 / short.cpu_p50, "", _TWICE)
-            )
+            ratio = float(np.median(loop.cpu) / np.median(short.cpu))
+            figures.append(Figure(f"{row.text}: cpu over N = 10", ratio, "", _TWICE))
     failed = sum(loop.failed for loop in loops.values())
-    return [*figures, Figure("Solves with a failed level", float(failed), "", Goal("==", 0.0))]
+    return [*figures, zero("Solves with a failed level", float(failed))]
 
 
 def tracks_of(robot: RobotModel, options: Options) -> tuple[Track, Track]:

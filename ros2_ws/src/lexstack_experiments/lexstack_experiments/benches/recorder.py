@@ -20,7 +20,7 @@ from pathlib import Path
 from lexstack.errors import LexstackError
 from lexstack_bag.storage.container import Container, find_files
 from lexstack_experiments.experiment import Experiment, Options
-from lexstack_experiments.results import Figure, Goal, Peer, Results, Table
+from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 from lexstack_experiments.runs import scenario_of
 
 NAME = "recorder"
@@ -80,16 +80,10 @@ def run(options: Options) -> Results:
             f"{case.name}, {case.preset}, {case.topics} topics, {outcome.rate:.0f} messages/s: "
             f"{outcome.lost} of {outcome.sent} lost, {outcome.share:.0f} % of a core"
         )
-    columns = (
-        "recorder", "preset", "topics", "messages/s", "sent", "lost", "of them counted",
-        "% of a core", "us per message", "MB",
-    )  # fmt: skip
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(outcomes)),
-        (Table(columns, tuple(_row(outcome) for outcome in outcomes)),),
+        _figures(outcomes),
+        Table.of(_row(outcome) for outcome in outcomes),
         {"bytes": BYTES, "seconds": SECONDS, "qos": "reliable"},
         (
             "Publisher and recorder share the machine's cores.",
@@ -124,25 +118,25 @@ def _figures(outcomes: list[Outcome]) -> list[Figure]:
         ),
     ]
     missed = sum(abs(o.lost - o.counted) for o in outcomes if o.counted is not None and o.acked)
-    figures.append(Figure("Losses that were not counted", missed, "", Goal("==", 0.0)))
+    figures.append(zero("Losses that were not counted", missed))
     return figures
 
 
-def _row(outcome: Outcome) -> tuple[str | float | int | None, ...]:
+def _row(outcome: Outcome) -> dict[str, Cell]:
     """Return a line of the table."""
     case = outcome.case
-    return (
-        case.name,
-        "–" if case.plain else case.preset,
-        case.topics,
-        round(outcome.rate),
-        outcome.sent,
-        outcome.lost,
-        outcome.counted,
-        outcome.share,
-        1e4 * outcome.share / outcome.rate,
-        outcome.size,
-    )
+    return {
+        "recorder": case.name,
+        "preset": "–" if case.plain else case.preset,
+        "topics": case.topics,
+        "messages/s": round(outcome.rate),
+        "sent": outcome.sent,
+        "lost": outcome.lost,
+        "of them counted": outcome.counted,
+        "% of a core": outcome.share,
+        "us per message": 1e4 * outcome.share / outcome.rate,
+        "MB": outcome.size,
+    }
 
 
 def _measured(case: Case, folder: Path, scenario: Path) -> Outcome:

@@ -7,7 +7,6 @@ solution is held against the dense one on the same problems.
 
 from __future__ import annotations
 
-import gc
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -20,6 +19,7 @@ from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.scenario import EventConfig
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.recorded import record
+from lexstack_experiments.measuring import no_collection
 from lexstack_experiments.replay import Tape
 from lexstack_experiments.results import Figure, Goal, Results, Table
 from lexstack_experiments.runs import changed, scenario_of
@@ -104,12 +104,10 @@ def run(options: Options) -> Results:
         Figure("chi against the dense solution", 1e9 * apart, "1e-9 m/s, rad/s", Goal("<=", _SAME))
     )
     columns = ("robots", "tick us", "tick, x 2 robots", "HQP us", "HQP, x 2 robots", "dense")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(figures),
-        (Table(columns, tuple(lines)),),
+        figures,
+        Table(columns, lines),
         {"plant": "ideal", "rate_hz": base.scenario.rate, "joints_per_robot": 10},
         _NOTES,
     )
@@ -130,15 +128,11 @@ def _solve(case: _Case) -> Vector:
     """Return the time of every problem of the case [us]."""
     solver = make_solver(case.resolved.scenario.solver)
     times, warm = [], None
-    gc.collect()
-    gc.disable()
-    try:
+    with no_collection():
         for problem in case.problems:
             begun = perf_counter()
             warm = solver.solve(problem, warm)
             times.append(perf_counter() - begun)
-    finally:
-        gc.enable()
     return _US * np.array(times)
 
 

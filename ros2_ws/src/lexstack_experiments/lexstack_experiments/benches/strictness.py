@@ -14,7 +14,8 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.peers import STRICT, installed
 from lexstack_experiments.hierarchies.random_problems import SINGULAR, problems
 from lexstack_experiments.hierarchies.score import Score, score
-from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+from lexstack_experiments.measuring import p50_p99
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table, zero
 
 NAME = "strictness"
 PROBLEMS = 2400
@@ -49,12 +50,10 @@ def run(options: Options) -> Results:
             figures = _figures(scores)
     notes = (*_NOTES, *(f"Not installed, so not in the table: {name}." for name in missing))
     columns = ("solver", "problems", "number", "failures", "excess", "outside", "us p50", "us p99")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(figures),
-        (Table(columns, tuple(lines)),),
+        figures,
+        Table(columns, lines),
         {"variables": "10 to 80", "levels": "1 to 5"},
         notes,
     )
@@ -63,9 +62,8 @@ def run(options: Options) -> Results:
 def _line(name: str, kind: str, part: Score) -> tuple[Cell, ...]:
     """Return a row of the table."""
     times = _US * np.array(part.times or [np.nan])
-    p50, p99 = (float(np.percentile(times, q)) for q in (50, 99))
     excess, outside = f"{part.excess:.1e}", f"{max(part.outside, 0.0):.1e}"
-    return name, kind, len(part.times), part.failures, excess, outside, p50, p99
+    return name, kind, len(part.times), part.failures, excess, outside, *p50_p99(times)
 
 
 def _figures(scores: dict[str, Score]) -> list[Figure]:
@@ -75,7 +73,7 @@ def _figures(scores: dict[str, Score]) -> list[Figure]:
     outside = max(part.outside for part in scores.values())
     singular = scores.get(SINGULAR)  # not among the first nine problems
     return [
-        Figure("Failures of the default solver", failures, "", Goal("==", 0.0)),
+        zero("Failures of the default solver", failures),
         Figure("Excess of the default solver", 1e9 * worst, _UNIT, Goal("<=", GOAL)),
         Figure(
             "Its excess next to singularities",

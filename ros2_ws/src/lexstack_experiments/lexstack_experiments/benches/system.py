@@ -22,8 +22,10 @@ from lexstack.errors import LexstackError
 from lexstack_bag.run.run import Integers
 from lexstack_bag.storage.container import Container, find_files
 from lexstack_bag.storage.decoder import Decoder
+from lexstack_bag.topics import COMMAND, PLANT_STATE
 from lexstack_config.resolved import ResolvedScenario, load_scenario
 from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.measuring import p50_p99
 from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
 
 NAME = "system"
@@ -36,13 +38,6 @@ _LITTLE = 0.01  # of a core
 _RATE, _LATE = 200.0, 1.0  # Hz, %
 _REALTIME = 100.0  # Hz
 _WHOM = {"alone": "A alone", "robot_b": "A follows B", "htmpc": "A follows the HTMPC"}
-_COLUMNS = (
-    "case", "phase", "ticks/s", "in its best second", "late %", "missing %",
-    "state to command p50 ms", "p99 ms",
-    "CPU % of a core: bridge", "robot A", "robot B", "HTMPC", "recorder",
-    "others on the machine %", "kept by the host %",
-)  # fmt: skip
-_NODES = ("sim_bridge", "hqp_controller", "stack_solver", "htmpc", "recorder")
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +73,10 @@ def run(options: Options) -> Results:
         for phase in found[case.name]:
             options.say(f"{case.name}, {_WHOM[phase['phase']]}: {_rate(phase):.0f} ticks/s")
     rows = [(case, phase) for case in CASES if case.name in found for phase in found[case.name]]
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(found)),
-        (Table(_COLUMNS, tuple(_row(case.name, phase) for case, phase in rows)),),
+        _figures(found),
+        Table.of(_row(case.name, phase) for case, phase in rows),
         {"rate_hz": 100.0, "seconds_realtime": options.seconds, "seconds_lockstep": _SHORT},
         (
             "The host of a virtual machine left a second alone if it kept less than 1 % of a core.",
@@ -143,11 +136,11 @@ def _add_times(bag: Path, phases: Sequence[dict[str, Any]]) -> None:
     arrived: dict[int, int] = {}
     decode = Decoder()
     for message in Container(find_files(bag)).messages():
-        if message.topic == "/plant/state":
+        if message.topic == PLANT_STATE:
             state = decode(message)
             sent.setdefault(state.tick, message.publish_time)
             late.append((message.publish_time, state.late_ticks))
-        elif message.topic == "/robot_a/chi":
+        elif message.topic == COMMAND:
             arrived.setdefault(decode(message).tick, message.log_time)
     for phase in phases:
         first, last = phase["span"]
@@ -156,7 +149,7 @@ def _add_times(bag: Path, phases: Sequence[dict[str, Any]]) -> None:
             for tick, at in arrived.items()
             if tick in sent and first <= at <= last
         ]
-        phase["latency"] = (_at(delays, 50), _at(delays, 99)) if delays else None
+        phase["latency"] = p50_p99(delays) if delays else None
         seconds = Counter((at - first) // _NS for at in sent.values() if first <= at <= last)
         phase["best"] = max(seconds.values(), default=None)
         phase["undisturbed"] = _undisturbed(np.array(late), phase["kept"])
@@ -180,32 +173,32 @@ def _undisturbed(late: Integers, kept: Sequence[tuple[int, float]]) -> tuple[int
     return ticks, beyond
 
 
-def _at(values: Sequence[float], percent: float) -> float:
-    """Return a percentile."""
-    return float(np.percentile(values, percent))
-
-
 def _rate(phase: dict[str, Any]) -> float:
     """Return ticks per second of wall time."""
     return float(phase["ticks"] / phase["seconds"])
 
 
-def _row(case: str, phase: dict[str, Any]) -> tuple[Cell, ...]:
+def _row(case: str, phase: dict[str, Any]) -> dict[str, Cell]:
     """Return one line of the table."""
     ticks = max(phase["ticks"], 1)
     latency = phase["latency"] or (None, None)
-    return (
-        case,
-        _WHOM[phase["phase"]],
-        _rate(phase),
-        phase["best"],
-        100.0 * phase["late"] / ticks,
-        100.0 * phase["missing"] / ticks,
-        *latency,
-        *(_share(phase, name) for name in _NODES),
-        phase["others"],
-        phase["stolen"],
-    )
+    return {
+        "case": case,
+        "phase": _WHOM[phase["phase"]],
+        "ticks/s": _rate(phase),
+        "in its best second": phase["best"],
+        "late %": 100.0 * phase["late"] / ticks,
+        "missing %": 100.0 * phase["missing"] / ticks,
+        "state to command p50 ms": latency[0],
+        "p99 ms": latency[1],
+        "CPU % of a core: bridge": _share(phase, "sim_bridge"),
+        "robot A": _share(phase, "hqp_controller"),
+        "robot B": _share(phase, "stack_solver"),
+        "HTMPC": _share(phase, "htmpc"),
+        "recorder": _share(phase, "recorder"),
+        "others on the machine %": phase["others"],
+        "kept by the host %": phase["stolen"],
+    }
 
 
 def _share(phase: dict[str, Any], node: str) -> float | None:

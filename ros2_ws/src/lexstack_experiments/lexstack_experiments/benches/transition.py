@@ -18,6 +18,7 @@ from lexstack.limits import viable_bounds
 from lexstack.types import Vector
 from lexstack_config.parts import Parts, build_controller
 from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.measuring import p50_p99
 from lexstack_experiments.probes import Stopwatch, counting_controller, timed_parts
 from lexstack_experiments.replay import Tape
 from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
@@ -53,13 +54,11 @@ def run(options: Options) -> Results:
             options.say(f"pass {number} of {options.cases}: {np.median(passes[-1]):.0f} us p50")
     every, unit = np.array(passes), float(np.median(units))
     rows = _rows(tape)
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (*_figures(every, rows), _same(difference), Figure("One SVD of 20 x 20, p50", unit, "us")),
         (
-            Table(_COLUMNS, tuple(_line(name, every[:, mask], unit) for name, mask in rows)),
+            Table(_COLUMNS, [_line(name, every[:, mask], unit) for name, mask in rows]),
             _profile(tape, rows),
         ),
         {"plant": "ideal", "rate_hz": resolved.scenario.rate, "robots": 2, "n": _n(tape)},
@@ -91,9 +90,9 @@ def _figures(every: NDArray[np.float64], rows: list[Row]) -> list[Figure]:
 
 def _line(name: tuple[str, str], times: NDArray[np.float64], unit: float) -> tuple[Cell, ...]:
     """Return a row of the main table; ``times`` of shape (passes, ticks) [us]."""
-    middle = float(np.median(times))
+    middle, p99 = p50_p99(times)
     quiet = float(np.median(times.min(axis=0)))
-    return (*name, times.shape[1], middle, float(np.percentile(times, 99)), quiet, middle / unit)
+    return (*name, times.shape[1], middle, p99, quiet, middle / unit)
 
 
 def _same(difference: float) -> Figure:

@@ -11,7 +11,7 @@ from datetime import datetime
 from pathlib import Path
 
 from lexstack.errors import ConfigurationError, LexstackError
-from lexstack_bag.storage.folders import whose
+from lexstack_bag.storage.folders import empty_folder
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.text import lines_of
 
@@ -102,15 +102,7 @@ def _options(root: Path, kind: str, experiment: Experiment, parsed: argparse.Nam
         )
     seconds = _seconds(experiment, parsed)
     stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
-    out = (parsed.out or root / "runs" / f"{kind}-{parsed.name}-{stamp}").resolve()
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        if any(out.iterdir()):
-            raise ConfigurationError(f"--out: {out} is not empty; name another folder")
-    except PermissionError as error:
-        raise ConfigurationError(f"--out: {out}: {error.strerror}: {whose(out)}") from error
-    except OSError as error:
-        raise ConfigurationError(f"--out: {out}: {error.strerror}") from error
+    out = empty_folder(parsed.out or root / "runs" / f"{kind}-{parsed.name}-{stamp}")
     cases = parsed.cases or experiment.cases
     return Options(root / "config", out, parsed.seed, cases, _Teller(), seconds)
 

@@ -8,7 +8,6 @@ real one, its caches are warm.
 
 from __future__ import annotations
 
-import gc
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter, process_time, sleep
@@ -22,6 +21,7 @@ from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
+from lexstack_experiments.measuring import no_collection, p50_p99
 from lexstack_experiments.pictures import picture
 from lexstack_experiments.remote import RemoteB
 from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
@@ -71,12 +71,10 @@ def run(options: Options) -> Results:
     options.say("A and B in two processes at the same time")
     draw(_alphas(resolved), one, two, options.out / "fig9.png")
     rate = resolved.scenario.rate
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(one, two, behind)),
-        (Table(_COLUMNS, tuple(_rows(one, two, behind, rate))),),
+        _figures(one, two, behind),
+        Table(_COLUMNS, _rows(one, two, behind, rate)),
         {"plant": "ideal", "rate_hz": rate, "at_end": "stay", "between": "pipe", "rest_s": _REST},
         _NOTES,
     )
@@ -119,9 +117,7 @@ def _timed(loop: Loop) -> Times:
     """Run a loop to its end, garbage collection off, and return A's times."""
     scenario = loop.resolved.scenario
     rows = []
-    gc.collect()
-    gc.disable()
-    try:
+    with no_collection():
         for _ in range(round(scenario.duration * scenario.rate)):
             sleep(_REST)
             begun, used = perf_counter(), process_time()
@@ -129,8 +125,6 @@ def _timed(loop: Loop) -> Times:
             wall, cpu = perf_counter() - begun, process_time() - used
             if command.transition.source is Source.ROBOT_B:
                 rows.append((command.solve_time, wall, cpu))
-    finally:
-        gc.enable()
     a, wall, cpu = np.array(rows).T
     return Times(a, np.empty(0), wall, cpu, np.empty(0))
 
@@ -161,8 +155,7 @@ def _rows(one: Times, two: Times, behind: Times, rate: float) -> list[tuple[Cell
 
     def row(name: str, times: Vector, cpu: Vector | None) -> tuple[Cell, ...]:
         share = None if cpu is None else 100.0 * rate * float(np.mean(cpu))
-        p50, p99 = (_US * float(np.percentile(times, percent)) for percent in (50, 99))
-        return (name, p50, p99, share)
+        return (name, *p50_p99(_US * times), share)
 
     return [
         row("dt_A, own process", two.a, two.cpu),

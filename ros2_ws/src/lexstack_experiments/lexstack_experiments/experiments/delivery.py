@@ -21,7 +21,7 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_pictures import draw_deliveries
 from lexstack_experiments.experiments.htmpc_runs import Setting, setting
 from lexstack_experiments.experiments.htmpc_sequences import ARCHITECTURES, Trip, length, travel
-from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table, zero
 
 NAME = "delivery"
 ROUNDS = 4
@@ -140,12 +140,10 @@ def run(options: Options) -> Results:
             told = [f"{name} {trip.seconds or 0.0:.1f} s" for name, trip in cases[-1].trips.items()]
             options.say(f"{layout.name}, tool {layout.speed}, {weights}: {', '.join(told)}")
     _draw(cases[0], options.out / "fig9.png")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(cases)),
-        (Table(_COLUMNS, tuple(_row(case, options.cases) for case in cases)),),
+        _figures(cases),
+        Table(_COLUMNS, [_row(case, options.cases) for case in cases]),
         {
             "base_m_s": _BASE_SPEED,
             "dwell_s": DWELL,
@@ -180,8 +178,8 @@ def _figures(cases: Sequence[Case]) -> list[Figure]:
     failed = float(sum(trip.record.failures for trip in trips))
     return [
         *figures,
-        Figure("Sequences that were not completed", undone, "", Goal("==", 0.0)),
-        Figure("Failed solves", failed, "", Goal("==", 0.0)),
+        zero("Sequences that were not completed", undone),
+        zero("Failed solves", failed),
     ]
 
 

@@ -10,18 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.types import Vector
+from lexstack.types import PlantStatus, Vector
 from lexstack_bag.figures.limits import JointLimits
-from lexstack_experiments.experiments.fault_records import (
-    FOLLOWING,
-    PAUSED,
-    Record,
-    Solved,
-    State,
-    Told,
-)
+from lexstack_experiments.experiments.fault_records import Record, Solved, State, Told
 
 _NS = 1e-9
+_AS_TOLD = (PlantStatus.FOLLOWING, PlantStatus.PAUSED)
 _AFTER = 2_000_000_000  # ns after the end of a case in which a reason may still come
 
 # Who must tell what, by the process that fails: in the transition (only while A depends on it),
@@ -114,7 +108,7 @@ def outcome(event: dict[str, Any], record: Record, limits: JointLimits, dt: floa
         ("transition", wanted, reason), ("diagnostics", needed, complaint)
     ) if pattern and found is None]  # fmt: skip
     signs = [found.at for found in (reason, complaint) if found is not None]
-    signs += [s.at for s in states if s.at > begun and s.status not in (FOLLOWING, PAUSED)][:1]
+    signs += [s.at for s in states if s.at > begun and s.status not in _AS_TOLD][:1]
     return Outcome(
         event["case"],
         peak_acceleration(states, limits.acceleration, dt),
@@ -128,7 +122,7 @@ def outcome(event: dict[str, Any], record: Record, limits: JointLimits, dt: floa
         "" if complaint is None else f"{complaint.who}: {complaint.text}",
         ", ".join(missing),
         _seconds(event["healed"], _served(event, what, record)),
-        sum(s.status not in (FOLLOWING, PAUSED) for s in states if s.at > begun) * dt,
+        sum(s.status not in _AS_TOLD for s in states if s.at > begun) * dt,
         bool(event["rejoined"]) or _follows_b(record, event),
         int(event["answers"]),
     )
@@ -169,7 +163,7 @@ def out_of_order(entries: Sequence[State] | Sequence[Solved], anew: Sequence[int
         if coming and entry.at > coming[0] and entry.tick < max(last.values(), default=0):
             del coming[0]
             last.clear()
-        stands = isinstance(entry, State) and entry.status == PAUSED
+        stands = isinstance(entry, State) and entry.status == PlantStatus.PAUSED
         repeated = stands or stood.get(entry.sender, False)
         stood[entry.sender] = stands
         before = last.get(entry.sender, -1)
@@ -221,7 +215,11 @@ def _served(event: dict[str, Any], what: str, record: Record) -> int | None:
 
 def _commanded(record: Record) -> Iterable[int]:
     """Yield the times at which the plant followed a command."""
-    return (state.at for state in record.states if state.status == FOLLOWING and state.tick > 0)
+    return (
+        state.at
+        for state in record.states
+        if state.status == PlantStatus.FOLLOWING and state.tick > 0
+    )
 
 
 def _seconds(since: int, at: int | None) -> float | None:

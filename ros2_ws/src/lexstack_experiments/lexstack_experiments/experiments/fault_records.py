@@ -16,9 +16,9 @@ from lexstack.types import Vector
 from lexstack_bag.errors import BagError
 from lexstack_bag.storage.container import Container, RawMessage, find_files
 from lexstack_bag.storage.decoder import Decoder
+from lexstack_bag.topics import COMMAND, PLAN, PLANT_STATE, SOLUTION, TRANSITION
 
 FORGED = "forged"  # frame_id of what the stranger sends
-FOLLOWING, HOLDING, BRAKING, PAUSED = range(4)  # status of PlantState
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ _DECODE = Decoder()
 def _add(record: Record, raw: RawMessage, bag: str) -> None:
     """Take one message."""
     record.messages.append((raw.log_time, bag))
-    if raw.topic == "/htmpc/plan":
+    if raw.topic == PLAN:
         record.plans.append(raw.log_time)
     if raw.topic not in _TAKERS:
         return
@@ -130,9 +130,9 @@ def _diagnostics(record: Record, at: int, message: Any) -> None:
 
 
 _TAKERS = {
-    "/plant/state": _state,
-    "/robot_a/chi": _chi,
-    "/robot_b/chi": _chi,
-    "/robot_a/transition": _transition,
+    PLANT_STATE: _state,
+    COMMAND: _chi,
+    SOLUTION: _chi,
+    TRANSITION: _transition,
     "/diagnostics": _diagnostics,
 }

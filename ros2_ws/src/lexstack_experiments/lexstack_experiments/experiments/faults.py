@@ -21,18 +21,14 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.fault_checks import Outcome, outcome
 from lexstack_experiments.experiments.fault_cuts import CUTS, cut_events, why_no_cut
 from lexstack_experiments.experiments.fault_records import Told, read_record
-from lexstack_experiments.results import Figure, Goal, Results, Table
+from lexstack_experiments.measuring import largest
+from lexstack_experiments.results import AT_MOST_ONE, Cell, Figure, Goal, Results, Table, zero
 from lexstack_experiments.runs import scenario_of
 from lexstack_testing.faults.cases import CASES, FLOOD
 
 NAME = "faults"
 _MODULE = "lexstack_testing.faults.run"
-_ROUNDING = 1e-6
 _PER_CASE, _PER_RUN = 90.0, 120.0  # s of wall time at most
-_COLUMNS = (
-    "fault", "detected s", "in diagnostics s", "serves again s", "held or braked s",
-    "acc. ratio", "reordered", "reason in the transition", "in diagnostics",
-)  # fmt: skip
 _WIDTH = 60  # letters of a reason in the table
 Found = tuple[list[Outcome], list[str]]  # outcomes, bags that cannot be read
 
@@ -50,12 +46,10 @@ def run(options: Options) -> Results:
         found = _judged(options, [cut_events(options, name)], scenario_of(options.config, NAME))
         outcomes, unreadable = outcomes + found[0], unreadable + found[1]
         options.say(f"{name}: done")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(figures(outcomes, unreadable)),
-        (Table(_COLUMNS, tuple(_row(each) for each in outcomes)),),
+        figures(outcomes, unreadable),
+        Table.of(_row(each) for each in outcomes),
         {"mode": "realtime", "rate_hz": 100.0},
         (
             "Detected: the first of a reason in the transition or diagnostics, or a held plant.",
@@ -129,65 +123,40 @@ def _judged(
 
 def figures(outcomes: Sequence[Outcome], unreadable: Sequence[str]) -> list[Figure]:
     """Return what is to be reached in every case."""
-
-    def longest(values: Sequence[float | None]) -> float | None:
-        return max((value for value in values if value is not None), default=None)
-
     floods = [each.answers for each in outcomes if each.case.startswith("flood")]
+    rate, speed = (max(getattr(e, name) for e in outcomes) for name in ("acceleration", "velocity"))
+    beyond, answered = max(each.beyond for each in outcomes), floods[0] if floods else None
     return [
+        Figure("Peak acceleration of the command / limit", rate, "", AT_MOST_ONE),
+        Figure("Peak velocity of the command / limit", speed, "", AT_MOST_ONE),
         Figure(
-            "Peak acceleration of the command / limit",
-            max(each.acceleration for each in outcomes),
-            "",
-            Goal("<=", 1, _ROUNDING),
+            "Largest way of a command out of its box", beyond, "m/s or rad/s", Goal("<=", 0, 1e-9)
         ),
-        Figure(
-            "Peak velocity of the command / limit",
-            max(each.velocity for each in outcomes),
-            "",
-            Goal("<=", 1, _ROUNDING),
-        ),
-        Figure(
-            "Largest way of a command out of its box",
-            max(each.beyond for each in outcomes),
-            "m/s or rad/s",
-            Goal("<=", 0, 1e-9),
-        ),
-        Figure("Messages reordered", sum(e.reordered for e in outcomes), "", Goal("==", 0)),
-        *(
-            Figure(name, count, "", Goal("==", 0))
-            for name, count in (
-                ("Cases without the reason", sum(bool(e.missing) for e in outcomes)),
-                ("Cases after which B did not serve", sum(not e.rejoined for e in outcomes)),
-                ("Cases that were not seen to end", sum(e.recovered is None for e in outcomes)),
-                ("Bags that cannot be read", len(unreadable)),
-            )
-        ),
-        Figure(
-            "Requests of the flood that were answered",
-            floods[0] if floods else None,
-            "",
-            Goal("==", FLOOD),
-        ),
-        Figure("Longest detection", longest([e.detected for e in outcomes]), "s"),
-        Figure("Longest way back", longest([e.recovered for e in outcomes]), "s"),
+        zero("Messages reordered", sum(e.reordered for e in outcomes)),
+        zero("Cases without the reason", sum(bool(e.missing) for e in outcomes)),
+        zero("Cases after which B did not serve", sum(not e.rejoined for e in outcomes)),
+        zero("Cases that were not seen to end", sum(e.recovered is None for e in outcomes)),
+        zero("Bags that cannot be read", len(unreadable)),
+        Figure("Requests of the flood that were answered", answered, "", Goal("==", FLOOD)),
+        Figure("Longest detection", largest(e.detected for e in outcomes), "s"),
+        Figure("Longest way back", largest(e.recovered for e in outcomes), "s"),
     ]
 
 
-def _row(each: Outcome) -> tuple[str | float | int | None, ...]:
+def _row(each: Outcome) -> dict[str, Cell]:
     """Return a line of the table."""
     reason = f"NOT in {each.missing}" if each.missing else each.reason
-    return (
-        each.case,
-        each.detected,
-        each.told,
-        each.recovered,
-        each.away,
-        each.acceleration,
-        each.reordered,
-        reason[:_WIDTH] or "–",
-        each.complaint[:_WIDTH] or "–",
-    )
+    return {
+        "fault": each.case,
+        "detected s": each.detected,
+        "in diagnostics s": each.told,
+        "serves again s": each.recovered,
+        "held or braked s": each.away,
+        "acc. ratio": each.acceleration,
+        "reordered": each.reordered,
+        "reason in the transition": reason[:_WIDTH] or "–",
+        "in diagnostics": each.complaint[:_WIDTH] or "–",
+    }
 
 
 EXPERIMENT = Experiment(

@@ -19,6 +19,7 @@ from lexstack_experiments.baselines.htidkc import Htidkc, load_htidkc
 from lexstack_experiments.benches import htmpc as bench
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_pictures import draw_times
+from lexstack_experiments.measuring import p50_p99
 from lexstack_experiments.results import Cell, Figure, Results, Table
 
 NAME = "htmpc-computation"
@@ -63,8 +64,7 @@ def htidkc_times(name: str, options: Options) -> Vector:
 
 def _row(name: str, times: Vector) -> tuple[Cell, ...]:
     """Return the row of one robot."""
-    p50, p99 = np.percentile(times, (50.0, 99.0))
-    return (name, _MS * float(times.mean()), _MS * float(p50), _MS * float(p99))
+    return (name, _MS * float(times.mean()), *p50_p99(_MS * times))
 
 
 def _curves(table: Table) -> dict[str, dict[str, list[tuple[int, float]]]]:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from lexstack.types import Matrix, Vector
 from lexstack_experiments.experiments.htmpc_runs import WITHIN, Wave
 from lexstack_experiments.experiments.htmpc_sequences import Trip
-from lexstack_experiments.pictures import COLOURS, legend_beside, mark, picture
+from lexstack_experiments.pictures import COLOURS, from_above, legend_beside, mark, picture
 
 _DPI = 110
 _PARTS = ("#56b4e9", "#0072b2")  # part 1 light, part 2 dark, as in the paper
@@ -64,9 +64,7 @@ def draw_paths(waves: Sequence[Wave], peaks: Matrix, tool: Vector, path: Path) -
         panel.plot(peaks[:, 0], peaks[:, 1], "*", color=COLOURS[4], label="peaks")
         panel.plot(0.0, 0.0, "o", color=COLOURS[2], label="valley: home of the base")
         panel.plot(tool[0], tool[1], "x", color=COLOURS[1], label="tool")
-        panel.set_aspect("equal")
-        panel.set_xlabel("x [m]")
-        panel.set_ylabel("y [m]")
+        from_above(panel)
         panel.legend(loc="upper left")
 
 
@@ -122,9 +120,7 @@ def draw_tracks_from_above(
         for name, place in places.items():
             panel.plot(*place, "o", color="black", markersize=4)
             panel.annotate(f" {name}", place)
-        panel.set_aspect("equal")
-        panel.set_xlabel("x [m]")
-        panel.set_ylabel("y [m]")
+        from_above(panel)
         legend_beside(panel)
 
 
@@ -150,9 +146,7 @@ def draw_deliveries(
             colour = _PEOPLE[name]
             above.plot(*station, "s", color=colour, markersize=5)
             above.plot(*place, "o", color=colour, markersize=5)
-        above.set_aspect("equal")
-        above.set_xlabel("x [m]")
-        above.set_ylabel("y [m]")
+        from_above(above)
         above.set_title("base; stations square, tool round", loc="left")
         above.legend(loc="lower left")
         for row, (_, tasks) in enumerate(done.items()):

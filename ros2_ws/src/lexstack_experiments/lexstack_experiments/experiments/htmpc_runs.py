@@ -21,6 +21,7 @@ from lexstack.types import Matrix, Vector
 from lexstack_config.resolved import load_robot
 from lexstack_experiments.baselines.htidkc import Htidkc, HtidkcConfig
 from lexstack_experiments.baselines.htloop import Record, Track, follow_htidkc, follow_htmpc
+from lexstack_experiments.measuring import after_last
 
 ROBOT = "ur10_ridgeback"
 HALF = 8.0  # s, part 1; part 2 is as long
@@ -120,12 +121,8 @@ class Wave:
     def _times(self, inside: Vector, optimum: float) -> float | None:
         """Return the time from which on all of a part is within the band."""
         times, errors = self.times[inside], np.abs(self.base[inside] - optimum)
-        outside = np.flatnonzero(errors > WITHIN)
-        if not len(outside):
-            return 0.0
-        if outside[-1] == len(errors) - 1:
-            return None
-        return float(times[outside[-1] + 1] - times[0])
+        first = after_last(errors > WITHIN)
+        return None if first == len(errors) else float(times[first] - times[0])
 
 
 @lru_cache(maxsize=2)

@@ -111,12 +111,10 @@ def run(options: Options) -> Results:
             told = ", ".join(f"{key} {value:.4g}" for key, value in trial.values.items())
             measured = (trial.score, trial.part_1, trial.part_2, trial.mean, trial.peak)
             rows.append((subject.name, i, *measured, told))
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(figures),
-        (Table(_COLUMNS, tuple(rows)),),
+        figures,
+        Table(_COLUMNS, rows),
         {"peaks": PEAKS, "peaks_seed": SEED + options.seed, "mean_mm": MEAN, "peak_mm": PEAK},
     )
 

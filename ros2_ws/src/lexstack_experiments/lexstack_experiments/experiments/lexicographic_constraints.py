@@ -20,7 +20,7 @@ from lexstack_experiments.experiments.htmpc_runs import (
     run_wave,
     setting,
 )
-from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table, zero
 
 NAME = "lexicographic-constraints"
 FORMS: dict[Constraint, str] = {"sum": "H(11)", "stage": "H(11) per stage", "axis": "H(12)"}
@@ -32,10 +32,6 @@ _PAPER = {  # mean and standard deviation of the tool's distance [mm], and withi
     ("axis", 0.001): "3.07 / 0.73, within 5 %",
     ("axis", 0.01): "3.42 / 1.55, within 5 %",
 }
-_COLUMNS = (
-    "weights", "constraint", "delta mm", "EE mm", "std mm", "peak mm", "paper: EE / std, base",
-    "within 5 % in 1, s", "in 2, s", "off 1", "off 2", "part 1 s", "part 2 s", "failed",
-)  # fmt: skip
 _NOTES = (
     "within 5 %: from when on the base error is, to the end of its part, that near to its optimum.",
     "off: the largest distance from the optimum in the last second; part 1 ends 1 s early, when",
@@ -87,12 +83,10 @@ def run(options: Options) -> Results:
         options.say(f"{case.text}: tool {waves[case].tool.mean():.2f} mm")
     draw_constraints(_curves(waves), HALF, options.out / "fig5.png")
     rows = [_row(case, wave) for case, wave in waves.items()]
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (*_figures(as_configured), *_authors_figures(waves)),
-        (Table(_COLUMNS, tuple(rows)),),
+        Table.of(rows),
         {
             "peak_m": list(EXAMPLE),
             "reach_m": at.reach,
@@ -113,7 +107,7 @@ def _figures(wave: Wave) -> list[Figure]:
     for part, off in enumerate(wave.off):
         name = f"Ours: base off its optimum in part {part + 1}, of the initial error"
         figures.append(Figure(name, off, "", Goal("<=", WITHIN), "<= 0.05"))
-    return [*figures, Figure("Ours: failed solves", float(wave.failures), "", Goal("==", 0.0))]
+    return [*figures, zero("Ours: failed solves", float(wave.failures))]
 
 
 def _authors_figures(waves: dict[Case, Wave]) -> list[Figure]:
@@ -125,21 +119,24 @@ def _authors_figures(waves: dict[Case, Wave]) -> list[Figure]:
     ]
 
 
-def _row(case: Case, wave: Wave) -> tuple[Cell, ...]:
+def _row(case: Case, wave: Wave) -> dict[str, Cell]:
     """Return the row of one case."""
-    return (
-        case.weights,
-        FORMS[case.form],
-        1e3 * case.delta,
-        float(wave.tool.mean()),
-        float(wave.tool.std()),
-        float(wave.tool.max()),
-        "" if case.weights == OURS else _paper(case),
-        *wave.settled,
-        *wave.off,
-        *wave.integrals,
-        wave.failures,
-    )
+    return {
+        "weights": case.weights,
+        "constraint": FORMS[case.form],
+        "delta mm": 1e3 * case.delta,
+        "EE mm": float(wave.tool.mean()),
+        "std mm": float(wave.tool.std()),
+        "peak mm": float(wave.tool.max()),
+        "paper: EE / std, base": "" if case.weights == OURS else _paper(case),
+        "within 5 % in 1, s": wave.settled[0],
+        "in 2, s": wave.settled[1],
+        "off 1": wave.off[0],
+        "off 2": wave.off[1],
+        "part 1 s": wave.integrals[0],
+        "part 2 s": wave.integrals[1],
+        "failed": wave.failures,
+    }
 
 
 def _paper(case: Case) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.oracle import level_excess
 from lexstack_experiments.probes import counting_controller
-from lexstack_experiments.runs import Measured, changed, with_method
+from lexstack_experiments.runs import analysed, with_method
 
 Mask = NDArray[np.bool_]
 _AFTER = 0.5  # s
@@ -83,7 +83,7 @@ class Play:
             self.loop.step()
             levels.append(tally.levels)
         self.qps: Vector = np.diff(levels).astype(np.float64)
-        self.measured = Measured.of(self.loop)
+        self.measured = analysed(self.loop)
 
     def figures(self, row: Row, still: Play) -> MethodFigures:
         """Return a row's figures; ``still`` is the same case without any switch."""
@@ -154,12 +154,6 @@ class Play:
         """Return how many ticks have an empty box."""
         commands = self.loop.record.commands
         return sum(commands[k].bounds.empty > 0 for k in np.flatnonzero(ticks))
-
-
-def never_switched(case: Case) -> Case:
-    """Return the case with its references, and without its switches."""
-    events = tuple(replace(event, switch="") for event in case.resolved.scenario.events)
-    return replace(case, resolved=changed(case.resolved, events=events), rows=())
 
 
 def _longer(mask: Mask, ticks: float) -> Mask:

@@ -12,23 +12,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from lexstack.types import Matrix, Vector
+from lexstack_bag.figures.figures import Analysis
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.obstacle_cases import BASE, DISTANCE, NOTHING, Case, cases
 from lexstack_experiments.experiments.obstacle_pictures import draw_clearance, render_passing
 from lexstack_experiments.loop import Loop
-from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
-from lexstack_experiments.runs import Measured, run_telling, scenario_of
+from lexstack_experiments.results import AT_MOST_ONE, Cell, Figure, Goal, Peer, Results, Table, zero
+from lexstack_experiments.runs import analysed, run_telling, scenario_of
 from lexstack_sim.obstacles import Clearance
 from lexstack_sim.plant import Plant
 
 NAME = "obstacle"
-_ROUNDING = 1e-6  # of a ratio that meets its limit exactly
 _MOST = 0.6  # m: clearances are not looked at above this
-_COLUMNS = (
-    "case", "way", "clearance mm", "touching, ticks", "EE peak mm", "EE final mm", "acc. ratio",
-    "slack of distances mm/s",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +44,7 @@ class Outcome:
     case: Case
     way: str
     loop: Loop
-    measured: Measured
+    measured: Analysis
     time: Vector
     clearance: Vector
     touching: int
@@ -71,12 +67,10 @@ def run(options: Options) -> Results:
     shown = next(o for o in outcomes if o.way == DISTANCE)
     said = render_passing(shown.loop, options.out / "obstacle-passing.jpg")
     options.say(said or "drew 2 pictures")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (*_goals(outcomes), *_stated(outcomes)),
-        (Table(_COLUMNS, tuple(_row(outcome) for outcome in outcomes)),),
+        Table.of(_row(outcome) for outcome in outcomes),
         {
             "plant": "MuJoCo, joint impedance loop at 1 kHz",
             "rate_hz": whole.scenario.rate,
@@ -105,7 +99,7 @@ def _outcome(case: Case, way: str, whole: ResolvedScenario, options: Options) ->
         case,
         way,
         loop,
-        Measured.of(loop),
+        analysed(loop),
         np.array([state.stamp for state in loop.record.states]),
         np.array(clearance),
         loop.plant.counters.contact,
@@ -141,9 +135,9 @@ def _goals(outcomes: list[Outcome]) -> list[Figure]:
     peak = max(o.measured.metrics.peak_acceleration_ratio or 0.0 for o in avoiding)
     empty = sum(o.measured.metrics.empty_bounds for o in avoiding)
     figures += [
-        Figure("Peak acceleration of the command / limit", peak, "", Goal("<=", 1, _ROUNDING)),
-        Figure("Ticks with an empty box of bounds", empty, "", Goal("==", 0)),
-        Figure("Cases that are harmless by themselves", _harmless(outcomes), "", Goal("==", 0)),
+        Figure("Peak acceleration of the command / limit", peak, "", AT_MOST_ONE),
+        zero("Ticks with an empty box of bounds", empty),
+        zero("Cases that are harmless by themselves", _harmless(outcomes)),
     ]
     return figures
 
@@ -165,19 +159,19 @@ def _stated(outcomes: list[Outcome]) -> Iterable[Figure]:
             yield Figure(f"Final EE error: {where}", _final(outcome), "mm")
 
 
-def _row(outcome: Outcome) -> tuple[Cell, ...]:
+def _row(outcome: Outcome) -> dict[str, Cell]:
     """Return one line of the table."""
     broken = [command.slacks[0] for command in outcome.loop.record.commands]
-    return (
-        outcome.case.name,
-        outcome.way,
-        1e3 * float(outcome.clearance.min()),
-        outcome.touching,
-        float(outcome.ee_error.max()) if outcome.case.holds else None,
-        _final(outcome),
-        outcome.measured.metrics.peak_acceleration_ratio,
-        1e3 * float(max(broken)) if outcome.way == DISTANCE else None,
-    )
+    return {
+        "case": outcome.case.name,
+        "way": outcome.way,
+        "clearance mm": 1e3 * float(outcome.clearance.min()),
+        "touching, ticks": outcome.touching,
+        "EE peak mm": float(outcome.ee_error.max()) if outcome.case.holds else None,
+        "EE final mm": _final(outcome),
+        "acc. ratio": outcome.measured.metrics.peak_acceleration_ratio,
+        "slack of distances mm/s": 1e3 * float(max(broken)) if outcome.way == DISTANCE else None,
+    }
 
 
 def _final(outcome: Outcome) -> float:

@@ -28,7 +28,7 @@ from lexstack_experiments.experiments.htmpc_runs import (
     setting,
     wave_tracks,
 )
-from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table, zero
 
 NAME = "oracle"
 STATES = 200
@@ -195,12 +195,10 @@ def run(options: Options) -> Results:
         if (i + 1) % PER_LOOP == 0:
             options.say(f"{i + 1} of {options.cases} states")
     draw_gaps(_shares_of(found), options.out / "gaps.png")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(found, judge)),
-        (Table(_COLUMNS, tuple(_rows(found))),),
+        _figures(found, judge),
+        Table(_COLUMNS, _rows(found)),
         {"peaks_seed": SEED + options.seed, "tolerance_of_oracle": "delta of H(13)"},
         _NOTES,
     )
@@ -274,8 +272,8 @@ def _figures(found: list[Gap], judge: Judge) -> list[Figure]:
         figures.append(Figure(name, ratio, "", Goal("<=", 1.0)))
     return [
         *figures,
-        Figure("States where IPOPT did not converge", float(judge.unsolved), "", Goal("==", 0.0)),
-        Figure("Failed solves", float(judge.failures), "", Goal("==", 0.0)),
+        zero("States where IPOPT did not converge", float(judge.unsolved)),
+        zero("Failed solves", float(judge.failures)),
     ]
 
 

@@ -19,6 +19,7 @@ from lexstack_config.parts import Parts, build_controller
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiments.reach_cases import KINDS, Case, scenario
 from lexstack_experiments.ideal import IdealPlant
+from lexstack_experiments.measuring import after_last
 
 REST = 0.01  # of a joint's velocity limit: slower, it is at rest
 REACHED = 1e-3  # m or rad
@@ -76,12 +77,12 @@ class Motion:
     def rest_after(self) -> float | None:
         """Return from when on all joints are at rest [s]; None: not at the end."""
         fast = np.abs(self.chi / self.team.limits.velocity).max(axis=1) >= REST
-        return _after(fast) * self.team.dt if not fast[-1] else None
+        return after_last(fast) * self.team.dt if not fast[-1] else None
 
     def reached_after(self) -> float | None:
         """Return from when on the tool's error is below ``REACHED`` [s]; None: not at the end."""
         far = np.array([np.abs(errors(self.case, self.team, q)[0]).max() > REACHED for q in self.q])
-        return _after(far) * self.team.dt if not far[-1] else None
+        return after_last(far) * self.team.dt if not far[-1] else None
 
     def sign_changes(self, seconds: float) -> float:
         """Return the most changes of sign of a joint's velocity per second, near the end."""
@@ -184,9 +185,3 @@ def gap(case: Case, team: Team, q: Vector) -> float:
         for name, values in options.items()
     ]
     return here - min(here, *found)
-
-
-def _after(marks: Vector) -> int:
-    """Return the place behind the last mark."""
-    last = np.flatnonzero(marks)
-    return int(last[-1]) + 1 if last.size else 0

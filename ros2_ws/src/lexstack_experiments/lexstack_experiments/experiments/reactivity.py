@@ -25,7 +25,8 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_pictures import draw_reactions
 from lexstack_experiments.experiments.htmpc_runs import Setting, setting
 from lexstack_experiments.experiments.htmpc_sequences import Event, Trip, travel
-from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+from lexstack_experiments.measuring import after_last, largest
+from lexstack_experiments.results import Cell, Figure, Goal, Results, Table, zero
 
 Kind = Literal["held", "next moves", "jump"]
 
@@ -131,8 +132,8 @@ class Reaction:
         """From when on the base stood until the release [s], None if it did not."""
         times = self.trip.record.times
         until = times <= self.case.released + 1e-9
-        moves = np.flatnonzero(self._speeds[until] > _STILL)
-        return None if moves[-1] == until.sum() - 1 else float(times[moves[-1] + 1])
+        first = after_last(self._speeds[until] > _STILL)
+        return None if first == until.sum() else float(times[first])
 
     @property
     def speed(self) -> float:
@@ -156,8 +157,8 @@ class Reaction:
             return None
         times = self.trip.record.times
         inside = (times >= change) & (times <= self.case.released + 1e-9)
-        far = np.flatnonzero(self.trip.off(self.case.place)[inside] > NEAR)
-        return None if far[-1] == inside.sum() - 1 else float(times[inside][far[-1] + 1] - change)
+        first = after_last(self.trip.off(self.case.place)[inside] > NEAR)
+        return None if first == inside.sum() else float(times[inside][first] - change)
 
     @property
     def reached(self) -> float | None:
@@ -210,12 +211,10 @@ def run(options: Options) -> Results:
         1e3 * config.ee.tolerance,
         options.out / "reactivity.png",
     )
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(reactions, config)),
-        (Table(_COLUMNS, tuple(_row(i, reaction) for i, reaction in enumerate(reactions))),),
+        _figures(reactions, config),
+        Table(_COLUMNS, [_row(i, reaction) for i, reaction in enumerate(reactions)]),
         {"delta_m": config.ee.tolerance, "place_m": _PLACE, "station_m": _STATION, "next_m": _NEXT},
         _NOTES,
     )
@@ -236,24 +235,19 @@ def _figures(reactions: list[Reaction], config: HtmpcConfig) -> list[Figure]:
             "m/s", Goal("<=", _STILL), "stops",
         ),
         Figure("Targets not reached", float(unserved), "", Goal("==", 0.0), "all reached"),
-        Figure("Failed solves", float(failed), "", Goal("==", 0.0)),
-        Figure("Jump to back within 20 mm, median", _median(back), "s"),
-        Figure("Jump to back within 20 mm, longest", _longest(back), "s"),
-        Figure("Release to the next served, median", _median(reached), "s"),
-        Figure("Release to the next served, longest", _longest(reached), "s"),
+        zero("Failed solves", float(failed)),
+        *_spread("Jump to back within 20 mm", back),
+        *_spread("Release to the next served", reached),
     ]  # fmt: skip
 
 
-def _median(times: list[float | None]) -> float | None:
-    """Return the median of times, None where one is missing or there is none."""
+def _spread(title: str, times: list[float | None]) -> list[Figure]:
+    """Return the median and the longest of some times; no values where one is missing."""
     known = [time for time in times if time is not None]
-    return float(np.median(known)) if known and len(known) == len(times) else None
-
-
-def _longest(times: list[float | None]) -> float | None:
-    """Return the longest time, None where one is missing or there is none."""
-    known = [time for time in times if time is not None]
-    return max(known) if known and len(known) == len(times) else None
+    all_of = known if len(known) == len(times) else []
+    median = float(np.median(all_of)) if all_of else None
+    found = {"median": median, "longest": largest(all_of)}
+    return [Figure(f"{title}, {word}", value, "s") for word, value in found.items()]
 
 
 def _row(i: int, reaction: Reaction) -> tuple[Cell, ...]:

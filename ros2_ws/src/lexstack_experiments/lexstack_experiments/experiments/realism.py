@@ -7,25 +7,24 @@ are themselves late, coarse and noisy where the scenario says so.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
+from lexstack_bag.figures.figures import Analysis
 from lexstack_config.plant import PlantConfig
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.loop import Loop
-from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
-from lexstack_experiments.runs import Measured, changed, run_telling, scenario_of
+from lexstack_experiments.measuring import largest
+from lexstack_experiments.results import AT_MOST_ONE, Figure, Results, Table, zero
+from lexstack_experiments.runs import analysed, changed, run_telling, scenario_of
 from lexstack_sim.plant import Plant
 
 NAME = "realism"
-_ROUNDING = 1e-6  # of a ratio that meets its limit exactly
 _PLANTS = (
     "none", "encoder_step", "velocity_noise", "latency", "payload", "friction", "base_slip",
     "pushes", "all",
 )  # fmt: skip
-_COLUMNS = (
-    "flaw", "EE after (A) mm", "base after (A) mm", "final EE mm", "peak EE mm", "settled",
-    "acc. ratio", "empty boxes", "robots touch, ticks",
-)  # fmt: skip
+_LENGTHS = ("EE after (A) mm", "base after (A) mm", "final EE mm", "peak EE mm")
 
 
 def run(options: Options) -> Results:
@@ -36,32 +35,26 @@ def run(options: Options) -> Results:
         flaw: run_telling(Loop(_with(whole, flaw, options)), flaw, options.say)
         for flaw in order[: options.cases]
     }
-    measured = {flaw: Measured.of(loop) for flaw, loop in loops.items()}
+    measured = {flaw: analysed(loop) for flaw, loop in loops.items()}
     worst = max(m.metrics.peak_acceleration_ratio or 0.0 for m in measured.values())
     empty = sum(m.metrics.empty_bounds for m in measured.values())
     missed = sum(
         phase.transition_s is None for m in measured.values() for phase in m.metrics.phases[1:]
     )
-    rows = {
-        flaw: (*_row(flaw, measured[flaw]), _touching(loops[flaw]))
-        for flaw in _PLANTS
-        if flaw in measured
-    }
+    rows = {flaw: _row(flaw, measured[flaw], loops[flaw]) for flaw in _PLANTS if flaw in measured}
     everything = rows["all"]
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (
-            Figure("Peak acceleration of the command / limit", worst, "", Goal("<=", 1, _ROUNDING)),
-            Figure("Ticks with an empty box of bounds", empty, "", Goal("==", 0)),
-            Figure("Switches not adopted", missed, "", Goal("==", 0)),
+            Figure("Peak acceleration of the command / limit", worst, "", AT_MOST_ONE),
+            zero("Ticks with an empty box of bounds", empty),
+            zero("Switches not adopted", missed),
             *(
-                Figure(f"All flaws: {name.removesuffix(' mm')}", _float(cell), "mm")
-                for name, cell in zip(_COLUMNS[1:5], everything[1:5], strict=True)
+                Figure(f"All flaws: {name.removesuffix(' mm')}", everything[name], "mm")
+                for name in _LENGTHS
             ),
         ),
-        (Table(_COLUMNS, tuple(rows.values())),),
+        Table.of(rows.values()),
         {"plant": "MuJoCo, joint impedance loop at 1 kHz", "rate_hz": whole.scenario.rate},
         ("settled: switches after which all errors stay in their band, of 3.",),
     )
@@ -76,31 +69,23 @@ def _with(whole: ResolvedScenario, flaw: str, options: Options) -> ResolvedScena
     return changed(whole, plant=plant, seed=options.seed)
 
 
-def _row(flaw: str, measured: Measured) -> tuple[Cell, ...]:
+def _row(flaw: str, measured: Analysis, loop: Loop) -> dict[str, Any]:
     """Return the figures of one plant."""
     metrics = measured.metrics
     first, last = metrics.phases[1], metrics.phases[-1]
-    settled = sum(phase.settled_s is not None for phase in metrics.phases[1:])
-    return (
-        flaw,
-        max(v for v in first.ee_error_mm.values() if v is not None),
-        max(v for v in (first.base_error_mm or {}).values() if v is not None),
-        max(v for v in last.ee_error_mm.values() if v is not None),
-        max(v for v in first.ee_peak_error_mm.values() if v is not None),
-        settled,
-        metrics.peak_acceleration_ratio,
-        metrics.empty_bounds,
-    )
-
-
-def _touching(loop: Loop) -> int | None:
-    """Return the ticks in which the robots touched each other."""
-    return loop.plant.counters.contact if isinstance(loop.plant, Plant) else None
-
-
-def _float(cell: Cell) -> float | None:
-    """Return a cell that holds a number."""
-    return float(cell) if isinstance(cell, int | float) else None
+    touched = loop.plant.counters.contact if isinstance(loop.plant, Plant) else None
+    errors = (first.ee_error_mm, first.base_error_mm, last.ee_error_mm, first.ee_peak_error_mm)
+    return {
+        "flaw": flaw,
+        **{
+            name: largest((error or {}).values())
+            for name, error in zip(_LENGTHS, errors, strict=True)
+        },
+        "settled": sum(phase.settled_s is not None for phase in metrics.phases[1:]),
+        "acc. ratio": metrics.peak_acceleration_ratio,
+        "empty boxes": metrics.empty_bounds,
+        "robots touch, ticks": touched,
+    }
 
 
 EXPERIMENT = Experiment(

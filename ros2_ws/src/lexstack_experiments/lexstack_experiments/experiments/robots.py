@@ -24,8 +24,9 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.pictures import picture
+from lexstack_experiments.probes import WatchedSolver
 from lexstack_experiments.replay import Tape
-from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
+from lexstack_experiments.results import AT_MOST_ONE, Cell, Figure, Goal, Results, Table, zero
 from lexstack_experiments.runs import changed, scenario_of
 
 NAME = "robots"
@@ -42,10 +43,6 @@ _SAME = 1e-6  # m/s, rad/s
 _EVERY = 20  # ticks from one comparison with the dense solution to the next
 _US = 1e6
 
-_COLUMNS = (
-    "robots", "switch", "channels", "idle us", "blending us", "x 2 robots", "us per robot",
-    "off dense", "acc. ratio", "adopted",
-)  # fmt: skip
 _NOTES = (
     "CPU time of a tick of robot A, the fastest pass of each tick. idle, blending: median over the",
     "ticks before the first switch, and over those at which all robots are in a blend; x 2 robots:",
@@ -82,24 +79,24 @@ class Case:
 
 
 class DenseCheck:
-    """The scenario's solver; now and then its chi is held against one solve of all joints."""
+    """Now and then holds a chi against one solve of all joints.
+
+    Attributes:
+        apart: largest difference so far, m/s and rad/s.
+    """
 
     def __init__(self, name: str) -> None:
         """Check the solver of this name."""
-        self.name = name
         self.apart = 0.0
-        self._solver = make_solver(name)
         self._dense = SOLVERS[name]()
         self._count = 0
 
-    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
-        """Return the solver's solution."""
-        solution = self._solver.solve(problem, warm)
+    def __call__(self, problem: HqpProblem, solution: Solution) -> None:
+        """Look at what was solved."""
         if self._count % _EVERY == 0:
             apart = np.abs(solution.chi - self._dense.solve(problem).chi)
             self.apart = max(self.apart, float(apart.max()))
         self._count += 1
-        return solution
 
 
 def run(options: Options) -> Results:
@@ -122,12 +119,10 @@ def run(options: Options) -> Results:
     two = {c.way: _busy(c, m) for c, m in zip(cases[:2], measured[:2], strict=True)}
     rows = [_row(case, mine, two[case.way]) for case, mine in zip(cases, measured, strict=True)]
     draw(cases, rows, options.out / "robots.png")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(cases, rows)),
-        (Table(_COLUMNS, tuple(rows)),),
+        _figures(cases, rows),
+        Table.of(rows),
         {"plant": "ideal", "rate_hz": base.scenario.rate, "blend_s": _BLEND, "passes": _PASSES},
         _NOTES,
     )
@@ -172,7 +167,7 @@ def played(base: ResolvedScenario, count: int, way: str) -> Case:
 
     def solver() -> HqpSolver:
         checks.append(DenseCheck(resolved.scenario.solver))
-        return checks[-1]
+        return WatchedSolver(make_solver(resolved.scenario.solver), checks[-1])
 
     parts = Parts.of(resolved)
     controller = build_controller(resolved, parts, solver)
@@ -208,32 +203,32 @@ def _busy(case: Case, times: NDArray[np.float64]) -> float:
     return float(np.median(times.min(axis=0)[case.blending]))
 
 
-def _row(case: Case, mine: NDArray[np.float64], two: float) -> tuple[Cell, ...]:
+def _row(case: Case, mine: NDArray[np.float64], two: float) -> dict[str, Cell]:
     """Return a line of the table; ``mine`` of shape (passes, ticks), ``two``: two robots' [us]."""
     first = round(_FIRST * case.tape.resolved.scenario.rate)
     quiet, middle = mine.min(axis=0), _busy(case, mine)
-    return (
-        case.count,
-        case.way,
-        case.channels,
-        float(np.median(quiet[1:first])),
-        middle,
-        middle / two,
-        middle / case.count,
-        case.apart,
-        case.peak,
-        case.adopted,
-    )
+    return {
+        "robots": case.count,
+        "switch": case.way,
+        "channels": case.channels,
+        "idle us": float(np.median(quiet[1:first])),
+        "blending us": middle,
+        "x 2 robots": middle / two,
+        "us per robot": middle / case.count,
+        "off dense": case.apart,
+        "acc. ratio": case.peak,
+        "adopted": case.adopted,
+    }
 
 
-def _figures(cases: list[Case], rows: list[tuple[Cell, ...]]) -> list[Figure]:
+def _figures(cases: list[Case], rows: list[dict[str, Cell]]) -> list[Figure]:
     """Return the figures to reach."""
-    found = {(row[0], row[1]): row for row in rows}
+    found = {(row["robots"], row["switch"]): row for row in rows}
     figures = []
     for count, limit in _GOALS.items():
         for way in WAYS:
             row = found.get((count, way))
-            ratio = None if row is None else float(row[5] or 0.0)
+            ratio = None if row is None else float(row["x 2 robots"] or 0.0)
             title = f"Tick of {count} robots over that of 2, {way}"
             figures.append(Figure(title, ratio, "x", Goal("<=", limit)))
     left = sum(case.count - case.adopted for case in cases)
@@ -245,21 +240,19 @@ def _figures(cases: list[Case], rows: list[tuple[Cell, ...]]) -> list[Figure]:
             "m/s, rad/s",
             Goal("<=", _SAME),
         ),
-        Figure(
-            "Largest acceleration / limit", max(c.peak for c in cases), "", Goal("<=", 1.0, 1e-6)
-        ),
-        Figure("Robots that have not adopted their stack", left, "", Goal("==", 0.0)),
+        Figure("Largest acceleration / limit", max(c.peak for c in cases), "", AT_MOST_ONE),
+        zero("Robots that have not adopted their stack", left),
     ]
 
 
-def draw(cases: list[Case], rows: list[tuple[Cell, ...]], path: Path) -> None:
+def draw(cases: list[Case], rows: list[dict[str, Cell]], path: Path) -> None:
     """Write the cost over the number of robots, and alpha of every channel one by one."""
     with picture(path, 1, 2, (8.0, 3.0)) as axes:
         for way in WAYS:
-            points = [(row[0], row[4]) for row in rows if row[1] == way]
+            points = [(r["robots"], r["blending us"]) for r in rows if r["switch"] == way]
             axes[0].plot(*zip(*points, strict=True), "o-", label=f"switch {way}")
         counts = sorted({case.count for case in cases})
-        start = next(float(row[4] or 0.0) for row in rows if row[1] == WAYS[0])
+        start = next(float(r["blending us"] or 0.0) for r in rows if r["switch"] == WAYS[0])
         axes[0].plot(
             counts, [start * c / counts[0] for c in counts], ":", color="#555555", label="linear"
         )

@@ -8,17 +8,24 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lexstack.types import Matrix, Vector
+from lexstack_bag.figures.figures import Analysis
 from lexstack_bag.figures.phases import BASE_TASKS, tasks_of
 from lexstack_experiments.loop import Loop
-from lexstack_experiments.pictures import COLOURS, few_ticks, legend_beside, mark, picture
-from lexstack_experiments.runs import Measured
+from lexstack_experiments.pictures import (
+    COLOURS,
+    few_ticks,
+    legend_beside,
+    mark,
+    picture,
+    share_height,
+)
 
 _NAMES = ("A", "B", "C")
 _BEFORE, _AFTER = 0.25, 2.0  # s around a switch that its picture shows
 _MOST = 6  # joints in a picture of a switch: those that move most
 
 
-def draw(loop: Loop, measured: Measured, out: Path) -> None:
+def draw(loop: Loop, measured: Analysis, out: Path) -> None:
     """Write fig5.png, and one picture for each switch, fig6.png to fig8.png."""
     switches = [phase.start for phase in measured.phases[1:]]
     times = dict(zip(_NAMES, switches, strict=False))
@@ -27,7 +34,7 @@ def draw(loop: Loop, measured: Measured, out: Path) -> None:
         _switch(loop, name, times[name], out / f"fig{number}.png", side_by_side=number == 8)
 
 
-def _motion(measured: Measured, times: dict[str, float], path: Path) -> None:
+def _motion(measured: Analysis, times: dict[str, float], path: Path) -> None:
     """Draw end effectors against their references, then the bases, T Fig. 5."""
     measures, robots = measured.measures, measured.run.robots
     asked = np.zeros(measures.time.shape, dtype=np.bool_)
@@ -87,10 +94,8 @@ def _finish(panels: list[Axes], robot: str, times: dict[str, float]) -> None:
     else:
         panels[0].set_title(f"{robot}: χ_B [m/s, rad/s]", loc="left")
         panels[1].set_title(f"{robot}: χ", loc="left")
-    low = min(panel.get_ylim()[0] for panel in panels)
-    high = max(panel.get_ylim()[1] for panel in panels)
+    share_height(panels)
     for panel in panels:
-        panel.set_ylim(low, high)
         panel.set_xlim(panels[-1].get_xlim())
         mark(panel, times)
         few_ticks(panel)

@@ -35,7 +35,7 @@ from lexstack_experiments.experiments.htmpc_runs import (
     run_wave,
     setting,
 )
-from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
+from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 
 NAME = "square-wave"
 CASES = 25
@@ -45,10 +45,6 @@ TUNED = "HTIDKC tuned"
 PAPER = ("HTMPC authors", "HTMPC_WPT authors", "HTIDKC authors")
 _BETTER = 0.58  # of HTIDKC's error in part 2: the paper's 42 %
 
-_COLUMNS = (
-    "controller", "part 1", "part 2", "part 1 - optimum", "part 2 m", "EE mm", "EE peak mm",
-    "within 5 % in 1", "in 2", "failed",
-)  # fmt: skip
 _CASE_COLUMNS = ("case", "x m", "y m", "controller", "part 1", "part 2", "EE mm", "EE peak mm")
 _NOTES = (
     "part 1, part 2: means over time of base error / initial error, means over the cases.",
@@ -115,13 +111,11 @@ def run(options: Options) -> Results:
         parts = scores[name].parts.mean(axis=0)
         options.say(f"{name}: parts {parts[0]:.3f}, {parts[1]:.3f}")
     _draw(scores, peaks, at.tool, options.out)
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(scores)),
+        _figures(scores),
         (
-            Table(_COLUMNS, tuple(_row(name, score) for name, score in scores.items())),
+            Table.of(_row(name, score) for name, score in scores.items()),
             Table(_CASE_COLUMNS, tuple(_case_rows(scores, peaks)), "every case"),
         ),
         {"half_period_s": HALF, "reach_m": at.reach},
@@ -177,23 +171,25 @@ def _figures(scores: dict[str, Score]) -> list[Figure]:
     foresight = float(part[OURS][1] / part[WPT][1])
     figures.append(Figure("Part 2, HTMPC / HTMPC_WPT", foresight, "", None, "slightly below 1"))
     failed = float(sum(score.failures for score in scores.values()))
-    return [*figures, Figure("Failed solves of all controllers", failed, "", Goal("==", 0.0))]
+    return [*figures, zero("Failed solves of all controllers", failed)]
 
 
-def _row(name: str, score: Score) -> tuple[Cell, ...]:
+def _row(name: str, score: Score) -> dict[str, Cell]:
     """Return the row of one controller."""
     settled = [wave.settled for wave in score.waves]
-    return (
-        name,
-        *(float(value) for value in score.parts.mean(axis=0)),
-        score.left,
-        score.metres,
-        score.mean,
-        score.peak,
-        sum(first is not None for first, _ in settled),
-        sum(second is not None for _, second in settled),
-        score.failures,
-    )
+    parts = score.parts.mean(axis=0)
+    return {
+        "controller": name,
+        "part 1": float(parts[0]),
+        "part 2": float(parts[1]),
+        "part 1 - optimum": score.left,
+        "part 2 m": score.metres,
+        "EE mm": score.mean,
+        "EE peak mm": score.peak,
+        "within 5 % in 1": sum(first is not None for first, _ in settled),
+        "in 2": sum(second is not None for _, second in settled),
+        "failed": score.failures,
+    }
 
 
 def _case_rows(scores: dict[str, Score], peaks: Matrix) -> list[tuple[Cell, ...]]:

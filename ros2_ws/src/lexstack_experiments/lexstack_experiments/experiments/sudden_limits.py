@@ -12,12 +12,12 @@ from dataclasses import astuple
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.sudden_limits_cases import NAME, Case, cases, laws
 from lexstack_experiments.experiments.sudden_limits_pictures import draw
-from lexstack_experiments.experiments.sudden_limits_runs import LimitFigures, Play, never_switched
-from lexstack_experiments.results import Figure, Goal, Peer, Results, Table
+from lexstack_experiments.experiments.sudden_limits_runs import LimitFigures, Play
+from lexstack_experiments.results import AT_MOST_ONE, Figure, Goal, Peer, Results, Table, zero
+from lexstack_experiments.runs import never_switched
 
 OURS = "ours"
 CASES = 6
-_ROUNDING = 1e-6  # of a ratio that meets its limit exactly
 
 _COLUMNS = (
     "case", "law", "empty", "acc. ratio", "jerk ratio", "vel. ratio", "outside s", "least s",
@@ -47,12 +47,10 @@ def run(options: Options) -> Results:
             draw(plays, options.out / "fig1.png")
             options.say("drew fig1.png")
     scenario = cases(options.config, options.seed)[0].resolved.scenario
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(rows)),
-        (Table(_COLUMNS, tuple(_table(rows))),),
+        _figures(rows),
+        Table(_COLUMNS, _table(rows)),
         {
             "plant": "ideal; MuJoCo where the case says so",
             "rate_hz": scenario.rate,
@@ -89,21 +87,11 @@ def _figures(rows: Rows) -> list[Figure]:
             title, max(f.empty for f in ours), "", Goal("==", 0.0), "infeasible without", empty[0]
         ),
         *(Figure(f"{title}, beside {peer.name}", None, peer=peer) for peer in empty[1:]),
-        Figure("Peak acceleration / limit", max(f.acceleration for f in ours), "", _at_most_one()),
-        Figure(within, max(soft) if soft else None, "", _at_most_one()),
-        Figure("Ticks later inside than the limits allow", _most(late), "", Goal("==", 0.0)),
-        Figure("Outside later than need be", 1e3 * max(f.violation for f in ours), "mrad", _none()),
+        Figure("Peak acceleration / limit", max(f.acceleration for f in ours), "", AT_MOST_ONE),
+        Figure(within, max(soft) if soft else None, "", AT_MOST_ONE),
+        zero("Ticks later inside than the limits allow", _most(late)),
+        zero("Outside later than need be", 1e3 * max(f.violation for f in ours), "mrad"),
     ]
-
-
-def _at_most_one() -> Goal:
-    """Return the goal of a ratio."""
-    return Goal("<=", 1.0, _ROUNDING)
-
-
-def _none() -> Goal:
-    """Return the goal of what must not be."""
-    return Goal("==", 0.0)
 
 
 def _most(values: list[int | None]) -> int | None:

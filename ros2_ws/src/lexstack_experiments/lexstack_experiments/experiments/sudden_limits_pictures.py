@@ -9,7 +9,14 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from lexstack_experiments.experiments.sudden_limits_runs import Play
-from lexstack_experiments.pictures import COLOURS, few_ticks, legend_beside, mark, picture
+from lexstack_experiments.pictures import (
+    COLOURS,
+    few_ticks,
+    legend_beside,
+    mark,
+    picture,
+    share_height,
+)
 
 _BEFORE, _AFTER = 0.2, 1.3  # s around the trigger
 _SHOWN = ("ours", "ours, within 1 s", "T(31), brake", "T(31), give way", "T(34) last box, brake")
@@ -31,10 +38,8 @@ def draw(plays: Mapping[str, Play], path: Path) -> None:
             _velocity(axes[len(shown) + k], play, joint)
             axes[k].set_title(name, loc="left")
         for row in (axes[: len(shown)], axes[len(shown) :]):
-            low = min(panel.get_ylim()[0] for panel in row)
-            high = max(panel.get_ylim()[1] for panel in row)
+            share_height(row)
             for panel in row:
-                panel.set_ylim(low, high)
                 few_ticks(panel)
             for panel in row[1:]:
                 panel.set_yticklabels([])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from lexstack_experiments.experiments.sudden_limits_cases import STACK, Case, La
 from lexstack_experiments.experiments.sudden_limits_least import KEPT, least_ticks
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
-from lexstack_experiments.runs import changed
+from lexstack_experiments.measuring import after_last
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +124,7 @@ class Play:
     def figures(self, still: Play) -> LimitFigures:
         """Return the figures; ``still`` is the same case without any switch, under our law."""
         dt, out, least = self.loop.parts.dt, self.outside(), self.least()
-        taken = np.array([_last(column) for column in (out > 0.0).T])
+        taken = np.array([after_last(column) for column in (out > 0.0).T])
         never = bool((out[-1] > 0.0).any())
         ticks = np.arange(len(out))[:, None]
         rates = np.array([limits.acceleration for limits in self.law.limits])
@@ -157,15 +157,3 @@ class Play:
         team = self.loop.parts.team
         states = self.loop.record.states
         return np.array([[pose.position for pose in team.tools(state.q)] for state in states])
-
-
-def never_switched(case: Case) -> Case:
-    """Return the case without its switches."""
-    events = tuple(replace(event, switch="") for event in case.resolved.scenario.events)
-    kept = tuple(event for event in events if event.ee_target or event.base_target)
-    return replace(case, resolved=changed(case.resolved, events=kept))
-
-
-def _last(outside: NDArray[np.bool_]) -> int:
-    """Return the ticks until a joint is inside for good."""
-    return int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0

@@ -13,8 +13,9 @@ from lexstack.transition import METHODS
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.method_cases import Case, cases
 from lexstack_experiments.experiments.method_pictures import draw
-from lexstack_experiments.experiments.method_runs import MethodFigures, Play, Rows, never_switched
-from lexstack_experiments.results import Figure, Goal, Peer, Results, Table
+from lexstack_experiments.experiments.method_runs import MethodFigures, Play, Rows
+from lexstack_experiments.results import AT_MOST_ONE, Figure, Goal, Peer, Results, Table
+from lexstack_experiments.runs import never_switched
 
 NAME = "transition-methods"
 OURS = next(iter(METHODS))
@@ -49,13 +50,11 @@ def run(options: Options) -> Results:
         rows |= _play(case, lambda line, n=number: options.say(f"case {n}, {line}"))
     draw(rows, STILL, options.out / "methods.png")
     scenario = chosen[0].resolved.scenario
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(rows)),
+        _figures(rows),
         (
-            Table(_COLUMNS, tuple(_table(rows))),
+            Table(_COLUMNS, _table(rows)),
             _pivot(rows, "acceleration", "peak acceleration / limit"),
             _pivot(rows, "jerk", "peak jerk / limit"),
         ),
@@ -106,7 +105,7 @@ def _figures(rows: Rows) -> list[Figure]:
             "Rows best or tied in both, of those who let B solve", count(*smooth, among=followers)
         ),
         Figure("Rows without excess of level 1", sum(strict.values()), "", every),
-        _worst("Largest acceleration / limit", rows, "acceleration", Goal("<=", 1.0, 1e-6)),
+        _worst("Largest acceleration / limit", rows, "acceleration", AT_MOST_ONE),
         _worst("Ticks with an empty box", rows, "empty", Goal("==", 0.0)),
     ]
 

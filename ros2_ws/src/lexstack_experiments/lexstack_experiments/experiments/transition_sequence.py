@@ -7,25 +7,21 @@ baseline: the new stack at once, within the same acceleration limits.
 from __future__ import annotations
 
 from lexstack.transition import METHODS
-from lexstack_bag.figures.figures import PerRobot, PhaseMetrics
+from lexstack_bag.figures.figures import Analysis, PhaseMetrics
 from lexstack_bag.figures.goals import goals_of
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.sequence_pictures import draw
 from lexstack_experiments.loop import Loop
+from lexstack_experiments.measuring import largest
 from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
-from lexstack_experiments.runs import Measured, changed, run_telling, scenario_of, with_method
+from lexstack_experiments.runs import analysed, changed, run_telling, scenario_of, with_method
 
 NAME = "transition-sequence"
 BASELINE = "instant_limited"
 SWITCHES = ("A", "B", "C")
 _SLOWER = 1.2  # times the baseline's time that a switch may take to settle
 _ROUNDING = 1e-6  # of a ratio that meets its limit exactly
-
-_COLUMNS = (
-    "switch", "to", "start s", "settled s", "baseline s", "ratio",
-    "EE mm", "base mm", "acc. ratio", "baseline acc.",
-)  # fmt: skip
 
 
 def run(options: Options) -> Results:
@@ -34,15 +30,13 @@ def run(options: Options) -> Results:
     method = resolved.scenario.transition.method
     loop = run_telling(Loop(resolved), method, options.say)
     baseline = run_telling(Loop(with_method(resolved, BASELINE)), BASELINE, options.say)
-    ours, theirs = Measured.of(loop), Measured.of(baseline)
+    ours, theirs = analysed(loop), analysed(baseline)
     draw(loop, ours, options.out)
     options.say(f"drew {options.cases + 1} pictures")
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
         (*_paper_figures(ours, theirs), *_settling_figures(ours, theirs), *_plain(ours, theirs)),
-        (Table(_COLUMNS, tuple(_rows(ours, theirs))),),
+        Table.of(_rows(ours, theirs)),
         {
             "plant": "MuJoCo, joint impedance loop at 1 kHz",
             "rate_hz": resolved.scenario.rate,
@@ -63,7 +57,7 @@ def sequence(options: Options) -> ResolvedScenario:
     return with_method(shorter, next(iter(METHODS)))
 
 
-def _paper_figures(ours: Measured, theirs: Measured) -> list[Figure]:
+def _paper_figures(ours: Analysis, theirs: Analysis) -> list[Figure]:
     """Return the figures that the report shows as well; the last switch may be left out."""
     whole = len(ours.phases) == len(SWITCHES) + 1
     figures = []
@@ -77,53 +71,52 @@ def _paper_figures(ours: Measured, theirs: Measured) -> list[Figure]:
     return figures
 
 
-def _settling_figures(ours: Measured, theirs: Measured) -> list[Figure]:
+def _settling_figures(ours: Analysis, theirs: Analysis) -> list[Figure]:
     """Return for each switch how much longer than the baseline it takes to settle."""
     figures = []
     for i, name in enumerate(SWITCHES):
         mine, other = (_settled(measured, i + 1) for measured in (ours, theirs))
-        ratio = mine / other if mine is not None and other else None
         title = f"Switch ({name}) to settled, against {BASELINE}"
-        figures.append(Figure(title, ratio, "x", Goal("<=", _SLOWER)))
+        figures.append(Figure(title, _ratio(mine, other), "x", Goal("<=", _SLOWER)))
     return figures
 
 
-def _plain(ours: Measured, theirs: Measured) -> list[Figure]:
+def _ratio(mine: float | None, other: float | None) -> float | None:
+    """Return a time over another one, None where one is missing."""
+    return mine / other if mine is not None and other else None
+
+
+def _plain(ours: Analysis, theirs: Analysis) -> list[Figure]:
     """Return what has no goal of its own."""
     title = "Peak jerk of the command / limit"
     jerk, other = ours.metrics.peak_jerk_ratio, theirs.metrics.peak_jerk_ratio
     return [Figure(title, jerk, peer=Peer(BASELINE, other))]
 
 
-def _rows(ours: Measured, theirs: Measured) -> list[tuple[Cell, ...]]:
+def _rows(ours: Analysis, theirs: Analysis) -> list[dict[str, Cell]]:
     """Return a row for each switch."""
     pairs = list(zip(ours.metrics.phases, theirs.metrics.phases, strict=True))[1:]
     return [
-        (
-            f"({name})",
-            mine.stack,
-            mine.start_s,
-            mine.settled_s,
-            other.settled_s,
-            mine.settled_s / other.settled_s if mine.settled_s and other.settled_s else None,
-            _worst(mine.ee_error_mm),
-            _worst(mine.base_error_mm),
-            mine.peak_acceleration_ratio,
-            other.peak_acceleration_ratio,
-        )
+        {
+            "switch": f"({name})",
+            "to": mine.stack,
+            "start s": mine.start_s,
+            "settled s": mine.settled_s,
+            "baseline s": other.settled_s,
+            "ratio": _ratio(mine.settled_s, other.settled_s),
+            "EE mm": largest(mine.ee_error_mm.values()),
+            "base mm": largest((mine.base_error_mm or {}).values()),
+            "acc. ratio": mine.peak_acceleration_ratio,
+            "baseline acc.": other.peak_acceleration_ratio,
+        }
         for name, (mine, other) in zip(SWITCHES, pairs, strict=False)
     ]
 
 
-def _settled(measured: Measured, phase: int) -> float | None:
+def _settled(measured: Analysis, phase: int) -> float | None:
     """Return when a phase has settled [s], None where it has not or is not there."""
     phases: tuple[PhaseMetrics, ...] = measured.metrics.phases
     return phases[phase].settled_s if phase < len(phases) else None
-
-
-def _worst(values: PerRobot | None) -> float | None:
-    """Return the larger value of the robots."""
-    return max((value for value in (values or {}).values() if value is not None), default=None)
 
 
 EXPERIMENT = Experiment(

@@ -20,7 +20,8 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.htmpc_pictures import draw_tracks_from_above
 from lexstack_experiments.experiments.htmpc_runs import Setting, farthest, setting
 from lexstack_experiments.experiments.htmpc_sequences import Trip, length, travel
-from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
+from lexstack_experiments.measuring import largest
+from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 
 NAME = "waypoint-path"
 HEIGHTS = (0.8, 0.4, 1.2, 1.6, 2.0)  # m, of the first waypoint; 0.8 m is the paper's
@@ -87,12 +88,10 @@ def run(options: Options) -> Results:
         {"waypoint 1": FIRST, "waypoint 2": SECOND[:2], "station": STATION},
         options.out / "fig8.png",
     )
-    return Results(
+    return options.results(
         NAME,
-        options.seed,
-        options.cases,
-        tuple(_figures(cases)),
-        (Table(_COLUMNS, tuple(_row(case) for case in cases)),),
+        _figures(cases),
+        Table(_COLUMNS, [_row(case) for case in cases]),
         {"first_m": FIRST, "second_m": SECOND, "station_m": STATION, "speed_m_s": _SPEED},
         _NOTES,
     )
@@ -137,22 +136,17 @@ def _figures(cases: list[Case]) -> list[Figure]:
     failed = sum(trip.record.failures for case in cases for trip in case.trips)
     undone = sum(not trip.complete for case in cases for trip in case.trips)
     return [
-        Figure("Path HT / ST, longest of all heights", _worst(ratios), "", Goal("<=", 1.0), "< 1"),
-        Figure("Path HT / ST by height, longest", _worst(tuned)),
-        Figure("Path HT / least, longest", _worst(least)),
+        Figure("Path HT / ST, longest of all heights", largest(ratios), "", Goal("<=", 1.0), "< 1"),
+        Figure("Path HT / ST by height, longest", largest(tuned)),
+        Figure("Path HT / least, longest", largest(least)),
         Figure(
             "Nearest to the first waypoint / reach, least of all heights",
             min(spare), "", None, "just reachable",
             Peer("ST-Arch", PREDEFINED / max(case.reach for case in cases)),
         ),
-        Figure("Trips that were not completed", float(undone), "", Goal("==", 0.0)),
-        Figure("Failed solves", float(failed), "", Goal("==", 0.0)),
+        zero("Trips that were not completed", float(undone)),
+        zero("Failed solves", float(failed)),
     ]  # fmt: skip
-
-
-def _worst(values: list[float]) -> float | None:
-    """Return the largest value, None without any."""
-    return max(values) if values else None
 
 
 def _row(case: Case) -> tuple[Cell, ...]:

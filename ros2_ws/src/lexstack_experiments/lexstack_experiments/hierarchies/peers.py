@@ -12,9 +12,10 @@ would pick, gets the levels as tasks whose costs fall by ten from level to level
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any
 
 import daqp
 import numpy as np
@@ -30,24 +31,17 @@ _ENDLESS = 1e30  # from here on PIQP takes the end of a row for infinite
 _NONE = np.zeros(0, dtype=np.int8)
 
 
-class Library(Protocol):
-    """A call of a library for one level."""
-
-    name: str
-
-    def __call__(
-        self, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
-    ) -> Vector | str:
-        """Return x, which minimises x'Hx/2 + f'x with its bounds first, then rows; or why not."""
-        ...
+Library = Callable[[Matrix, Vector, Matrix, Vector, Vector], Vector | str]
+"""A call for one level: H, f, rows, the limits of the bounds and then of the rows, lower and upper.
+It returns x, which minimises x'Hx/2 + f'x, or why not."""
 
 
 class EqualityCascade:
     """A cascade whose levels keep those above by equality rows."""
 
-    def __init__(self, library: Library) -> None:
+    def __init__(self, name: str, library: Library) -> None:
         """Solve each level with a library."""
-        self.name = f"{library.name} cascade"
+        self.name = f"{name} cascade"
         self._library = library
 
     def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
@@ -124,111 +118,72 @@ class DaqpHierarchy:
         return _solution(x, slacks, reason, begun)
 
 
-class Quadprog:
-    """quadprog: the dual method of Goldfarb and Idnani."""
-
-    name = "quadprog"
-
-    def __call__(
-        self, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
-    ) -> Vector | str:
-        """Solve with equal limits as its equality rows."""
-        whole = np.concatenate((np.eye(gradient.size), rows))
-        equal = lower == upper
-        low, high = ~equal & (lower > -np.inf), ~equal & (upper < np.inf)
-        stacked = np.concatenate((whole[equal], whole[low], -whole[high]))
-        ends = np.concatenate((lower[equal], lower[low], -upper[high]))
-        try:
-            x: Vector = quadprog.solve_qp(
-                hessian, -gradient, stacked.T, ends, int(np.count_nonzero(equal))
-            )[0]
-        except ValueError as error:
-            return str(error)
-        return x
+def _quadprog(
+    hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
+) -> Vector | str:
+    """Solve by the dual method of Goldfarb and Idnani, with equal limits as its equality rows."""
+    whole = np.concatenate((np.eye(gradient.size), rows))
+    equal = lower == upper
+    low, high = ~equal & (lower > -np.inf), ~equal & (upper < np.inf)
+    stacked = np.concatenate((whole[equal], whole[low], -whole[high]))
+    ends = np.concatenate((lower[equal], lower[low], -upper[high]))
+    count = int(np.count_nonzero(equal))
+    try:
+        return np.asarray(quadprog.solve_qp(hessian, -gradient, stacked.T, ends, count)[0])
+    except ValueError as error:
+        return str(error)
 
 
-class Piqp:
-    """PIQP: a proximal interior-point method, dense."""
+def _piqp(
+    piqp: Any, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
+) -> Vector | str:
+    """Solve by PIQP's proximal interior-point method, without rows that nothing limits.
 
-    name = "PIQP"
-
-    def __init__(self) -> None:
-        """Import it; raises ImportError where it is not installed."""
-        self._piqp = import_module("piqp")
-
-    def __call__(
-        self, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
-    ) -> Vector | str:
-        """Solve with equal limits as its equality rows, and without rows that nothing limits.
-
-        It prints three lines about each solve in which a row has no end.
-        """
-        n = gradient.size
-        solver = self._piqp.DenseSolver()
-        solver.settings.eps_abs, solver.settings.eps_rel = 1e-9, 0.0
-        equal = lower[n:] == upper[n:]
-        limited = (np.abs(lower[n:]) < _ENDLESS) | (np.abs(upper[n:]) < _ENDLESS)
-        other = ~equal & limited
-        some = other.any()
-        solver.setup(
-            hessian,
-            gradient,
-            rows[equal],
-            lower[n:][equal],
-            rows[other] if some else None,
-            lower[n:][other] if some else None,
-            upper[n:][other] if some else None,
-            lower[:n],
-            upper[:n],
-        )
-        status = solver.solve()
-        if status != self._piqp.PIQP_SOLVED:
-            return str(status).rsplit(".", maxsplit=1)[-1]
-        x: Vector = solver.result.x.copy()
-        return x
+    It prints three lines about each solve in which a row has no end.
+    """
+    n = gradient.size
+    solver = piqp.DenseSolver()
+    solver.settings.eps_abs, solver.settings.eps_rel = 1e-9, 0.0
+    equal = lower[n:] == upper[n:]
+    limited = (np.abs(lower[n:]) < _ENDLESS) | (np.abs(upper[n:]) < _ENDLESS)
+    other = ~equal & limited
+    some = (rows[other], lower[n:][other], upper[n:][other]) if other.any() else (None,) * 3
+    equalities = (rows[equal], lower[n:][equal])
+    solver.setup(hessian, gradient, *equalities, *some, lower[:n], upper[:n])
+    status = solver.solve()
+    if status != piqp.PIQP_SOLVED:
+        return str(status).rsplit(".", maxsplit=1)[-1]
+    return np.array(solver.result.x)
 
 
-class Proxqp:
-    """ProxQP: a proximal augmented Lagrangian method, dense."""
-
-    name = "ProxQP"
-
-    def __call__(
-        self, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
-    ) -> Vector | str:
-        """Solve with equal limits as its equality rows, bounds as its box."""
-        n = gradient.size
-        equal = lower[n:] == upper[n:]
-        other = ~equal
-        solver = proxqp.dense.QP(
-            n, int(np.count_nonzero(equal)), int(np.count_nonzero(other)), True
-        )
-        solver.settings.eps_abs, solver.settings.eps_rel = 1e-9, 0.0
-        solver.settings.max_iter = 200
-        parts = (rows[equal], lower[n:][equal], rows[other], lower[n:][other], upper[n:][other])
-        solver.init(hessian, gradient, *parts, lower[:n], upper[:n])
-        solver.solve()
-        status = solver.results.info.status
-        if status != proxqp.QPSolverOutput.PROXQP_SOLVED:
-            return str(status.name)
-        x: Vector = solver.results.x.copy()
-        return x
+def _proxqp(
+    hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
+) -> Vector | str:
+    """Solve by ProxQP's proximal augmented Lagrangian method, dense, bounds as its box."""
+    n = gradient.size
+    equal = lower[n:] == upper[n:]
+    other = ~equal
+    solver = proxqp.dense.QP(n, int(np.count_nonzero(equal)), int(np.count_nonzero(other)), True)
+    solver.settings.eps_abs, solver.settings.eps_rel = 1e-9, 0.0
+    solver.settings.max_iter = 200
+    parts = (rows[equal], lower[n:][equal], rows[other], lower[n:][other], upper[n:][other])
+    solver.init(hessian, gradient, *parts, lower[:n], upper[:n])
+    solver.solve()
+    status = solver.results.info.status
+    if status != proxqp.QPSolverOutput.PROXQP_SOLVED:
+        return str(status.name)
+    return np.array(solver.results.x)
 
 
-class Daqp:
-    """DAQP's one-shot call."""
-
-    name = "DAQP"
-
-    def __call__(
-        self, hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
-    ) -> Vector | str:
-        """Solve with equal limits marked as equalities."""
-        sense = np.where(lower == upper, 5, 0).astype(np.intc)
-        x, _, flag, _ = daqp.solve(
-            hessian, gradient, rows, upper, lower, sense, primal_tol=1e-9, eps_prox=0.0
-        )
-        return x if flag > 0 else f"exit flag {flag}"
+def _daqp(
+    hessian: Matrix, gradient: Vector, rows: Matrix, lower: Vector, upper: Vector
+) -> Vector | str:
+    """Solve by DAQP's one-shot call, equal limits marked as equalities."""
+    sense = np.where(lower == upper, 5, 0).astype(np.intc)
+    x, _, flag, _ = daqp.solve(
+        hessian, gradient, rows, upper, lower, sense, primal_tol=1e-9, eps_prox=0.0
+    )
+    return x if flag > 0 else f"exit flag {flag}"
 
 
 class Pink:
@@ -304,10 +259,10 @@ def _solution(chi: Vector, slacks: Vector, reason: str, begun: float) -> Solutio
 
 STRICT: tuple[Callable[[], HqpSolver], ...] = (
     DaqpHierarchy,
-    lambda: EqualityCascade(Daqp()),
-    lambda: EqualityCascade(Quadprog()),
-    lambda: EqualityCascade(Piqp()),
-    lambda: EqualityCascade(Proxqp()),
+    lambda: EqualityCascade("DAQP", _daqp),
+    lambda: EqualityCascade("quadprog", _quadprog),
+    lambda: EqualityCascade("PIQP", partial(_piqp, import_module("piqp"))),
+    lambda: EqualityCascade("ProxQP", _proxqp),
 )
 WEIGHTED: tuple[Callable[[], HqpSolver], ...] = (Pink,)
 

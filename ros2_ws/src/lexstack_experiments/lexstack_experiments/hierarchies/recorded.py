@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lexstack.hqp import HqpProblem, HqpSolver, Solution, make_solver
-from lexstack.limits import JointLimits
+from lexstack.hqp import HqpProblem, Solution, make_solver
 from lexstack.transition import Source
 from lexstack_config.parts import Parts, build_controller
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
+from lexstack_experiments.probes import WatchedSolver
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,22 +32,6 @@ class Sequence:
     pressed: float
 
 
-class _Listening:
-    """A solver that keeps what it is given and what it returns."""
-
-    def __init__(self, inner: HqpSolver, log: list[tuple[HqpProblem, Solution]]) -> None:
-        """Write what ``inner`` solves to ``log``."""
-        self.name = inner.name
-        self._inner = inner
-        self._log = log
-
-    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
-        """Solve as the solver inside does."""
-        solution = self._inner.solve(problem, warm)
-        self._log.append((problem, solution))
-        return solution
-
-
 def record(resolved: ResolvedScenario, longest: int, slower: float = 1.0) -> tuple[Sequence, ...]:
     """Return the sequences of a scenario in the ideal plant, each once, in the order of its ticks.
 
@@ -58,16 +42,13 @@ def record(resolved: ResolvedScenario, longest: int, slower: float = 1.0) -> tup
     """
     parts = Parts.of(resolved)
     limits = parts.team.limits
-    parts.team.limits = JointLimits(
-        limits.position_lower,
-        limits.position_upper,
-        limits.velocity / slower,
-        limits.acceleration / slower,
-        limits.jerk,
-    )
+    rates = {name: getattr(limits, name) / slower for name in ("velocity", "acceleration")}
+    parts.team.limits = replace(limits, **rates)
     log: list[tuple[HqpProblem, Solution]] = []
     solver = resolved.scenario.solver
-    controller = build_controller(resolved, parts, lambda: _Listening(make_solver(solver), log))
+    controller = build_controller(
+        resolved, parts, lambda: WatchedSolver(make_solver(solver), lambda *pair: log.append(pair))
+    )
     loop = Loop(resolved, IdealPlant(resolved, parts.team), controller)
     found: dict[tuple[str, bool], list[tuple[HqpProblem, Solution]]] = {}
     for _ in range(round(resolved.scenario.duration * resolved.scenario.rate)):

@@ -7,28 +7,35 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lexstack.hqp import HqpProblem, HqpSolver, lexicographic_oracle
+from lexstack.hqp import HqpProblem, HqpSolver, Solution, lexicographic_oracle
 from lexstack_experiments.hierarchies.certificate import certified_excess
 from lexstack_experiments.hierarchies.random_problems import SINGULAR
 
 
 @dataclass(slots=True)
 class Score:
-    """What a solver did on the problems of one kind."""
+    """What a solver did on the problems of one kind; more excess than ``within`` is a failure."""
 
+    within: float = np.inf
     excess: float = 0.0
     outside: float = 0.0
     failures: int = 0
     times: list[float] = field(default_factory=list)
 
-    def add(self, given: HqpProblem, solver: HqpSolver, singular: bool) -> None:
+    def add(
+        self,
+        given: HqpProblem,
+        solver: HqpSolver,
+        singular: bool = False,
+        warm: Solution | None = None,
+    ) -> Solution:
         """Solve a problem and count; next to a singularity the excess is that of level 1."""
-        solution = solver.solve(given)
+        solution = solver.solve(given, warm)
         self.times.append(solution.solve_time)
         chi = solution.chi
         if not (solution.solved and np.isfinite(chi).all()):
             self.failures += 1
-            return
+            return solution
         lower, upper = given.bounds.lower, given.bounds.upper
         self.outside = max(self.outside, float(np.max([lower - chi, chi - upper])))
         if singular:
@@ -39,7 +46,9 @@ class Score:
             found = [float(solution.slacks[0]) - least.optimum]
         else:
             found = certified_excess(given, np.minimum(np.maximum(chi, lower), upper))
-        self.excess = max([self.excess, *found])
+        self.failures += max(found) > self.within
+        self.excess = max(self.excess, *found)
+        return solution
 
 
 def score(solver: HqpSolver, given: Iterable[tuple[str, HqpProblem]]) -> dict[str, Score]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -25,6 +25,7 @@ from lexstack.types import RobotState, Vector
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
 
 WORLD = "world"
+Stamped = TypeVar("Stamped", bound=Any)
 _HUGE = 1e6  # m, rad, m/s, rad/s: no robot gets there
 _FARTHEST = 1000.0  # m, a target farther away is a mistake
 _UNIT = 1e-2  # how far a quaternion's norm may be from 1
@@ -43,6 +44,13 @@ def to_time(seconds: float) -> Time:
 def to_seconds(stamp: Time) -> float:
     """Return a stamp in seconds."""
     return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
+
+
+def stamped(message: Stamped, seconds: float) -> Stamped:
+    """Return a message with a header that says a time [s] and the world's frame."""
+    message.header.stamp = to_time(seconds)
+    message.header.frame_id = WORLD
+    return message
 
 
 # ---- vectors
@@ -152,16 +160,10 @@ def transition_status(
     """Return where one of a command's transitions stands, written into ``message``."""
     message.header.stamp = to_time(command.stamp)
     message.tick = command.tick
-    message.id = state.id
-    message.from_stack = state.from_stack
-    message.to_stack = state.to_stack
+    for name in ("id", "from_stack", "to_stack", "method", "alpha", "duration", "gap", "reason"):
+        setattr(message, name, getattr(state, name))
     message.source = state.source.value
-    message.method = state.method
     message.phase = state.phase.value
-    message.alpha = state.alpha
-    message.duration = state.duration
-    message.gap = state.gap
-    message.reason = state.reason
     message.robots = list(state.robots)
     return message
 
@@ -171,9 +173,7 @@ def transition_status(
 
 def stack_request(announcement: Announcement, stamp: float, team: Team) -> StackRequest:
     """Return an announcement as a message."""
-    message = StackRequest()
-    message.header.stamp = to_time(stamp)
-    message.header.frame_id = WORLD
+    message = stamped(StackRequest(), stamp)
     message.id = announcement.id
     message.stack = announcement.stack
     message.start_tick = announcement.start_tick
@@ -220,9 +220,7 @@ def to_base_target(message: PoseStamped, robot: int, where: str) -> Target:
 
 def pose_message(pose: Pose, stamp: float, quaternion: Vector) -> PoseStamped:
     """Return a pose in the world frame as a message."""
-    message = PoseStamped()
-    message.header.stamp = to_time(stamp)
-    message.header.frame_id = WORLD
+    message = stamped(PoseStamped(), stamp)
     place, turn = message.pose.position, message.pose.orientation
     place.x, place.y, place.z = (float(value) for value in pose.position)
     turn.x, turn.y, turn.z, turn.w = (float(value) for value in quaternion)

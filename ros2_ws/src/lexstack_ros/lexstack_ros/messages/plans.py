@@ -18,7 +18,7 @@ from lexstack.transition import HeardPlan
 from lexstack.types import RobotState
 from lexstack_interfaces.msg import Sequence, SequenceStatus
 from lexstack_interfaces.msg import SequenceTask as TaskMessage
-from lexstack_ros.messages.conversions import WORLD, to_array, to_seconds, to_time, to_vector
+from lexstack_ros.messages.conversions import stamped, to_array, to_seconds, to_vector
 
 PLAN = "/htmpc/plan"
 _MOST_POINTS = 1000  # of a plan or of a task
@@ -34,9 +34,7 @@ def joint_names(team: Team, robot: int) -> list[str]:
 
 def plan_message(plan: Plan, names: list[str]) -> JointTrajectory:
     """Return a plan as a message: states 0 to N, with the input that begins at each."""
-    message = JointTrajectory(joint_names=names)
-    message.header.stamp = to_time(plan.stamp)
-    message.header.frame_id = WORLD
+    message = stamped(JointTrajectory(joint_names=names), plan.stamp)
     inputs = np.concatenate((plan.u, np.zeros((1, plan.u.shape[1]))))
     for k in range(len(plan.q)):
         nanoseconds = round(1e9 * k * plan.step)
@@ -174,9 +172,7 @@ def status_message(
         solved=plan.solved,
         solve_time=plan.solve_time,
     )
-    message.header.stamp = to_time(state.stamp)
-    message.header.frame_id = WORLD
-    return message
+    return stamped(message, state.stamp)
 
 
 def sequence_message(
@@ -205,9 +201,7 @@ def sequence_message(
         message.coordinates = [float(value) for point in points for value in point]
         message.index = sequence.first
         message.released = sorted(sequence.released)
-    message.header.stamp = to_time(state.stamp)
-    message.header.frame_id = WORLD
-    return message
+    return stamped(message, state.stamp)
 
 
 def _pose(kind: str, point: tuple[float, ...]) -> Pose:

@@ -5,17 +5,15 @@ from __future__ import annotations
 from lexstack.references import WIDTHS, Setting, decode, encode
 from lexstack.robots import Team
 from lexstack_interfaces.msg import References
-from lexstack_ros.messages.conversions import WORLD, check_robots, to_array, to_seconds, to_time
+from lexstack_ros.messages.conversions import check_robots, stamped, to_array, to_seconds
 
 
 def references_message(setting: Setting, team: Team, sender: str) -> References:
     """Return a decision as a message."""
     message = References(revision=setting.revision, sender=sender, robots=list(team.names))
-    message.header.stamp = to_time(setting.at)
-    message.header.frame_id = WORLD
     for name, vector in encode(setting).items():
         setattr(message, name, to_array(vector))
-    return message
+    return stamped(message, setting.at)
 
 
 def to_setting(message: References, team: Team, where: str) -> Setting:

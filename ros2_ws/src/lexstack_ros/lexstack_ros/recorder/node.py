@@ -12,8 +12,8 @@ from rclpy.qos import QoSProfile
 
 from lexstack_bag.errors import BagError
 from lexstack_bag.run.provenance import run_facts
-from lexstack_bag.run.reader import NEEDED
 from lexstack_bag.storage.writer import BagWriter
+from lexstack_bag.topics import NEEDED, contract_topics
 from lexstack_ros.node.diagnostics import Diagnostics, Health, first
 from lexstack_ros.node.parameters import scenario_parameter
 from lexstack_ros.node.readiness import Readiness
@@ -21,7 +21,6 @@ from lexstack_ros.node.spin import beside, run_node
 from lexstack_ros.recorder.options import RecordingOptions
 from lexstack_ros.recorder.topics import (
     Tap,
-    contract_topics,
     describe,
     hears,
     is_hidden,

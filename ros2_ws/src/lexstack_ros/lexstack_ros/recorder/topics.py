@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -22,34 +22,6 @@ _DEPTH = 10_000
 _NS = 1_000_000_000
 
 Store = Callable[[str, bytes, dict[str, Any]], None]
-
-
-def contract_topics(robots: Iterable[str]) -> dict[str, str]:
-    """Return name and type of lexstack's own volatile topics for these robots.
-
-    The recorder subscribes to them before anybody publishes, so that nothing is missed at the
-    start. Latched topics need no such care.
-    """
-    interfaces = "lexstack_interfaces/msg"
-    topics = {
-        "/clock": "rosgraph_msgs/msg/Clock",
-        "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
-        "/plant/state": f"{interfaces}/PlantState",
-        "/robot_a/transition": f"{interfaces}/TransitionStatus",
-        "/robot_a/request_stack": "std_msgs/msg/String",
-        # The two controllers, whatever the robots are called.
-        "/robot_a/chi": f"{interfaces}/Chi",
-        "/robot_b/chi": f"{interfaces}/Chi",
-    }
-    for name in robots:
-        topics |= {
-            f"/{name}/joint_states": "sensor_msgs/msg/JointState",
-            f"/{name}/ee_pose": "geometry_msgs/msg/PoseStamped",
-            f"/{name}/odom": "nav_msgs/msg/Odometry",
-            f"/{name}/ee_target": "geometry_msgs/msg/PoseStamped",
-            f"/{name}/base_target": "geometry_msgs/msg/PoseStamped",
-        }
-    return topics
 
 
 def is_hidden(topic: str) -> bool:

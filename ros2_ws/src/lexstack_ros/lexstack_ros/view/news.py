@@ -9,25 +9,15 @@ from typing import Any
 
 from lexstack.references import References
 from lexstack.robots import Team, to_quaternion
+from lexstack.transition import Phase
+from lexstack.types import PlantStatus
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.messages.conversions import to_seconds
 
 COMMANDER, SOURCE = "robot_a", "robot_b"  # the controllers, whatever the robots are called
-_PLANT = {
-    PlantState.FOLLOWING: "following",
-    PlantState.HOLDING: "holding",
-    PlantState.BRAKING: "braking",
-    PlantState.PAUSED: "paused",
-}
+_PLANT = {status.value: status.name.lower() for status in PlantStatus}
 _OLD = 10  # ticks
-_PHASE = {
-    TransitionStatus.IDLE: "idle",
-    TransitionStatus.REQUESTED: "requested",
-    TransitionStatus.PREPARING: "preparing",
-    TransitionStatus.BLENDING: "blending",
-    TransitionStatus.ADOPTING: "adopting",
-    TransitionStatus.ABORTED: "aborted",
-}
+_PHASE = {phase.value: phase.name.lower() for phase in Phase}
 
 
 def news(

@@ -12,10 +12,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.mpc.rotations import from_quaternions
 from lexstack.mpc.sequence.task import SequenceTask
 from lexstack.robots import Obstacles, Pose, RobotModel
-from lexstack.robots.spatial import log3
+from lexstack.robots.spatial import from_quaternions, log3
 from lexstack.types import Vector
 
 Place = tuple[float, float, float]  # of a base: x [m], y [m], yaw [rad]

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.mpc.rotations import from_quaternions
 from lexstack.mpc.tracking_objectives import Kind
 from lexstack.robots import Pose, RobotModel
-from lexstack.robots.spatial import log3, to_quaternion, wrap
+from lexstack.robots.spatial import from_quaternions, log3, to_quaternion, wrap
 from lexstack.types import Vector
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.mpc.rotations import angles, between
+from lexstack.robots.spatial import angles, between
 from lexstack.types import Matrix, Vector
 
 _ROUNDING = 1e-9  # s

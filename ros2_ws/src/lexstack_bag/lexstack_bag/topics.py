@@ -1,0 +1,57 @@
+"""The topics of a run by name and type: what nodes, bag and experiments go by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+_OURS = "lexstack_interfaces/msg"
+
+PLANT_STATE = "/plant/state"
+COMMAND, SOLUTION = "/robot_a/chi", "/robot_b/chi"  # whatever the robots are called
+TRANSITION = "/robot_a/transition"
+REQUEST = "/robot_a/stack_request"
+DECISIONS = "/robot_a/references"
+SCENARIO = "/robot_a/scenario"
+"""Where robot A publishes the resolved scenario, for recorders that are not lexstack's own."""
+PLAN, PROGRESS, SEQUENCE = "/htmpc/plan", "/htmpc/status", "/htmpc/sequence"
+
+NEEDED = (PLANT_STATE, COMMAND, TRANSITION)
+"""Topics without which there is nothing to analyse."""
+
+STREAMS = {
+    "/clock": "rosgraph_msgs/msg/Clock",
+    PLANT_STATE: f"{_OURS}/PlantState",
+    COMMAND: f"{_OURS}/Chi",
+    SOLUTION: f"{_OURS}/Chi",
+    TRANSITION: f"{_OURS}/TransitionStatus",
+}
+"""What is sent at every tick."""
+
+TOOLS = {
+    "joint_states": "sensor_msgs/msg/JointState",
+    "ee_pose": "geometry_msgs/msg/PoseStamped",
+    "odom": "nav_msgs/msg/Odometry",
+}
+"""What is sent of each robot for tools, below the robot's name."""
+
+TARGETS = {
+    "ee_target": "geometry_msgs/msg/PoseStamped",
+    "base_target": "geometry_msgs/msg/PoseStamped",
+}
+"""Where users set references of each robot, below the robot's name."""
+
+
+def contract_topics(robots: Iterable[str]) -> dict[str, str]:
+    """Return name and type of lexstack's own volatile topics for these robots.
+
+    The recorder subscribes to them before anybody publishes, so that nothing is missed at the
+    start. Latched topics need no such care.
+    """
+    return {
+        **STREAMS,
+        "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+        "/robot_a/request_stack": "std_msgs/msg/String",
+        **{
+            f"/{name}/{topic}": kind for name in robots for topic, kind in (TOOLS | TARGETS).items()
+        },
+    }
