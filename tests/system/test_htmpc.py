@@ -22,13 +22,13 @@ from lexstack_bag.report import sequences
 from lexstack_bag.run.reader import read_run
 from lexstack_bringup.processes import PLANNERS
 from lexstack_config.resolved import load_scenario
-from lexstack_experiments.planned_loop import PlannedLoop
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import SequenceStatus, TransitionStatus
 from lexstack_interfaces.srv import ChangeSequence
 from lexstack_ros.messages.plans import task_message
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.readiness import READY
+from support.planned_loop import PlannedLoop
 from support.processes import acceleration_ratio, chi_by_tick, read, running
 from support.scenario import CONFIG, team
 

@@ -9,7 +9,7 @@ from lexstack.transition.held_back import at_velocity_limit, held_back
 from lexstack_bag.figures.goals import summary_lines
 from lexstack_experiments.ideal import IdealPlant
 from lexstack_experiments.loop import Loop
-from lexstack_experiments.runs import Measured
+from lexstack_experiments.runs import analysed
 from support.scenario import changed, home, state_at, team
 
 BACK = 700  # the tick of the third switch
@@ -47,7 +47,7 @@ def test_a_switch_from_the_shoulder_singularity_is_told_in_the_status():
 
 
 def test_it_is_told_in_the_report_with_its_stack_and_time():
-    metrics = Measured.of(once_more_round("posture_mid_range")).metrics
+    metrics = analysed(once_more_round("posture_mid_range")).metrics
     (line,) = [text for text in metrics.singular if "velocity limit" in text]
     assert line.startswith("reach_base: near a singularity: level 2: robot_a/base (sigma 0.1")
     assert line.endswith(f", from {BACK / 100:.2f} s on")
@@ -58,7 +58,7 @@ def test_nothing_is_told_of_a_posture_that_is_not_singular():
     run = once_more_round("posture")
     assert peak(run) < 0.5
     assert {command.transition.reason for command in run.record.commands} == {""}
-    assert Measured.of(run).metrics.singular == ()
+    assert analysed(run).metrics.singular == ()
 
 
 def test_velocity_limits_alone_are_no_singularity():

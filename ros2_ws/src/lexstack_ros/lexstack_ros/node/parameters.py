@@ -12,7 +12,7 @@ from rclpy.publisher import Publisher
 from std_msgs.msg import String
 
 from lexstack.errors import ConfigurationError
-from lexstack_bag.run.provenance import SCENARIO
+from lexstack_bag.topics import SCENARIO
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.yaml_text import read_text
 from lexstack_ros.messages.qos import LATCHED
