@@ -20,8 +20,8 @@ from std_srvs.srv import Trigger
 from lexstack_bag.errors import BagError
 from lexstack_bag.replay.outcome import Outcome, joints_of
 from lexstack_bag.replay.requests import Ask, Cancel
-from lexstack_bag.run.reader import PLANT_STATE
 from lexstack_bag.run.run import Run
+from lexstack_bag.run.topics import PLANT_STATE
 from lexstack_bag.storage.container import Container, RawMessage
 from lexstack_bag.storage.decoder import Decoder
 from lexstack_bag.storage.definitions import type_hash

@@ -27,11 +27,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.linalg.lapack import dposv
 
 from lexstack.hqp.curvature import add_curvature
 from lexstack.hqp.hierarchy import Mask
 from lexstack.hqp.rank_revealing_qr import factorise
+from lexstack.hqp.scipy_parts import lapack
 from lexstack.robots import Kinematics
 from lexstack.types import LinearTask, Matrix, Vector
 
@@ -175,7 +175,7 @@ def _multipliers(rows: list[Matrix], gradient: Vector) -> Vector:
     matrix = np.concatenate(rows)
     gram = matrix.dot(matrix.T)
     gram.reshape(-1)[:: len(gram) + 1] += _REGULAR
-    _, found, failed = dposv(gram, matrix.dot(gradient))
+    _, found, failed = lapack.dposv(gram, matrix.dot(gradient))
     if failed:
         raise np.linalg.LinAlgError("the multipliers of the levels above are not to be had")
     result: Vector = found

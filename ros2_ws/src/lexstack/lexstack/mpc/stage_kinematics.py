@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.mpc.symbolic import stage_function
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
 
@@ -51,6 +50,8 @@ class StageModel:
 
     def __init__(self, robot: RobotModel, stages: int, spheres: tuple[int, ...] = ()) -> None:
         """Generate the code; raises ModelError where the robot does not allow it."""
+        from lexstack.mpc.symbolic import stage_function  # noqa: PLC0415 - CasADi, 0.1 s
+
         self.stages = stages
         self.n = robot.n
         self.spheres = spheres

@@ -13,7 +13,7 @@ from typing import Any
 
 from lexstack_bag.run.columns import seconds
 from lexstack_bag.run.plan_topics import PLAN
-from lexstack_bag.run.reader import PLANT_STATE
+from lexstack_bag.run.topics import PLANT_STATE
 from lexstack_bag.storage.container import RawMessage
 
 ANSWERS = ("/robot_b/chi", PLAN)

@@ -32,18 +32,17 @@ from lexstack_bag.run.run import (
     TransitionStream,
 )
 from lexstack_bag.run.stretches import Stretch, Stretches, without_strangers
+from lexstack_bag.run.topics import (
+    COMMAND,
+    CONTROLLERS,
+    DECISIONS,
+    PLANT_STATE,
+    REQUEST,
+    TRANSITION,
+)
 from lexstack_bag.storage.container import Container, Progress, RawMessage, find_files
 from lexstack_bag.storage.decoder import Decoder
 from lexstack_bag.storage.writer import CLOSING_RECORD, SCENARIO_RECORD
-
-PLANT_STATE = "/plant/state"
-COMMAND = "/robot_a/chi"
-CONTROLLERS = ("robot_a", "robot_b")  # whatever the robots are called
-TRANSITION = "/robot_a/transition"
-REQUEST = "/robot_a/stack_request"
-DECISIONS = "/robot_a/references"
-NEEDED = (PLANT_STATE, COMMAND, TRANSITION)
-"""Topics without which there is nothing to analyse."""
 
 _SINCE = {"lead_in": 0.0}
 """Keys that older bags do not have, and what stands for them: their targets stepped."""

@@ -9,14 +9,13 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
 
 from lexstack.config.checks import shown
-from lexstack.control.controller import Command
 from lexstack.errors import InputError
 from lexstack.references import Target
 from lexstack.robots import Pose, Team
@@ -25,6 +24,9 @@ from lexstack.state import RobotState
 from lexstack.transition.messages import Announcement, SourceSample, TransitionState
 from lexstack.types import Vector
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
+
+if TYPE_CHECKING:  # a bridge and a recorder need messages, and no controller
+    from lexstack.control.controller import Command
 
 WORLD = "world"
 _HUGE = 1e6  # m, rad, m/s, rad/s: no robot gets there

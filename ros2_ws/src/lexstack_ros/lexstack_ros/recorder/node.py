@@ -12,7 +12,7 @@ from rclpy.qos import QoSProfile
 
 from lexstack_bag.errors import BagError
 from lexstack_bag.run.provenance import run_facts
-from lexstack_bag.run.reader import NEEDED
+from lexstack_bag.run.topics import NEEDED
 from lexstack_bag.storage.writer import BagWriter
 from lexstack_ros.node.diagnostics import Diagnostics, Health, first
 from lexstack_ros.node.parameters import scenario_parameter
