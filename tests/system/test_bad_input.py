@@ -19,7 +19,8 @@ from std_srvs.srv import SetBool
 from lexstack_bringup.processes import NODES
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest
 from lexstack_ros.messages.qos import LATCHED, STREAM
-from support.processes import running, short_scenario
+from lexstack_testing.played_run import apart
+from support.runs import short_scenario
 from support.scenario import ROOT, team
 
 pytestmark = pytest.mark.system
@@ -142,7 +143,7 @@ class Stranger:
 def play(folder, stranger):
     """Play a short run; returns robot A's commands, what the nodes printed, and the stranger."""
     folder.mkdir()
-    with running(short_scenario(duration=0.01 * TICKS), folder) as run:
+    with apart(short_scenario(duration=0.01 * TICKS), folder) as run:
         visitor = Stranger(run)
         last = [0.0]
 
@@ -196,7 +197,7 @@ def test_bad_input_changes_no_bit_of_the_motion_and_is_told(tmp_path):
 
 
 def test_a_second_robot_a_is_refused_with_the_name_of_the_first(tmp_path):
-    with running(short_scenario(events=(), duration=600.0), tmp_path) as run:
+    with apart(short_scenario(events=(), duration=600.0), tmp_path) as run:
         visitor = Stranger(run)
 
         def until(condition):
@@ -225,7 +226,7 @@ def test_a_second_robot_a_is_refused_with_the_name_of_the_first(tmp_path):
 
 
 def test_of_two_that_begin_together_one_commands(tmp_path):
-    with running(short_scenario(events=(), duration=2.0), tmp_path) as run:
+    with apart(short_scenario(events=(), duration=2.0), tmp_path) as run:
         visitor = Stranger(run)
         given = ["--ros-args", "-p", f"scenario:={tmp_path / 'scenario.yaml'}"]
         run.supervisor.start("second", NODES["hqp_controller"], given)

@@ -10,8 +10,8 @@ import time
 import pytest
 
 from lexstack.config.resolved import load_scenario
+from lexstack_testing.played_run import apart
 from support.code_blocks import HEREDOC, all_blocks
-from support.processes import running
 from support.scenario import CONFIG
 
 pytestmark = pytest.mark.system
@@ -71,7 +71,7 @@ def test_beside_a_demo_the_programs_print_what_the_pages_say(tmp_path):
             done[page] = (*process.communicate(timeout=60.0), process.returncode)
 
     worker = threading.Thread(target=do)
-    with running(resolved, tmp_path) as run:
+    with apart(resolved, tmp_path) as run:
 
         def watch():
             run.supervisor.check()

@@ -29,7 +29,8 @@ from lexstack_interfaces.srv import ChangeSequence
 from lexstack_ros.messages.plans import task_message
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.readiness import READY
-from support.processes import acceleration_ratio, chi_by_tick, read, running
+from lexstack_testing.played_run import apart
+from support.runs import acceleration_ratio, chi_by_tick, read
 from support.scenario import CONFIG, team
 
 pytestmark = pytest.mark.system
@@ -46,7 +47,7 @@ def scenario(name, **values):
 def delivery(tmp_path_factory):
     """Return the folder of a lockstep run with two sequences at once, and their results."""
     folder = tmp_path_factory.mktemp("delivery")
-    with running(scenario("deliver-both", duration=7.5), folder) as run:
+    with apart(scenario("deliver-both", duration=7.5), folder) as run:
         run.play()
         results = dict(run.player._sequences.results)
     return folder, results
@@ -85,7 +86,7 @@ def test_a_follows_the_plans_of_both_robots_and_goes_back(delivery, name, robot,
 
 
 def test_two_lockstep_runs_are_equal_to_the_bit_whatever_goals_were_refused(delivery, tmp_path):
-    with running(scenario("deliver-both", duration=5.0), tmp_path) as run:
+    with apart(scenario("deliver-both", duration=5.0), tmp_path) as run:
         refused(run)
         run.play()
     chi = [chi_by_tick(folder / "bag", CHI) for folder in (delivery[0], tmp_path)]
@@ -261,7 +262,7 @@ class KillAndAskAgain:
 
 
 def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequences_are_taken(tmp_path):
-    with running(scenario("deliver-one", duration=600.0), tmp_path) as run:
+    with apart(scenario("deliver-one", duration=600.0), tmp_path) as run:
         watch = KillAndAskAgain(run)
         with pytest.raises(EnoughSeenError):
             run.play(watch)

@@ -20,9 +20,10 @@ from std_srvs.srv import SetBool
 
 from lexstack_bringup.processes import NODES
 from lexstack_ros.messages.qos import STREAM
+from lexstack_testing.played_run import apart
 from support.listening import sockets
-from support.processes import read, running, short_scenario
 from support.qos import documented_qos
+from support.runs import read, short_scenario
 from support.scenario import ROOT, SCENARIO
 
 pytestmark = [pytest.mark.system, pytest.mark.realtime]
@@ -65,7 +66,7 @@ SERVES = {
 def run(tmp_path_factory):
     """Return a long realtime run that has begun."""
     scenario = short_scenario(mode="realtime", events=(), duration=600.0)
-    with running(scenario, tmp_path_factory.mktemp("run")) as run:
+    with apart(scenario, tmp_path_factory.mktemp("run")) as run:
         assert call(run, SetBool, "/sim_bridge/pause", data=False).success
         yield run
 

@@ -20,7 +20,8 @@ from lexstack_bringup.processes import NODES
 from lexstack_interfaces.msg import Chi, PlantState, References
 from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import LATCHED, STREAM
-from support.processes import acceleration_ratio, read, running, short_scenario
+from lexstack_testing.played_run import apart
+from support.runs import acceleration_ratio, read, short_scenario
 from support.scenario import CONFIG, home, team
 
 pytestmark = pytest.mark.system
@@ -39,7 +40,7 @@ def stream(mode, **values):
 
 def test_a_stream_without_stamps_loses_no_b_and_the_blend_takes_its_time(tmp_path):
     """Each χ of B was solved with the references that A had at its tick."""
-    with running(stream("lockstep"), tmp_path) as run:
+    with apart(stream("lockstep"), tmp_path) as run:
         run.play()
         assert run.end() == []
     topics = ("/robot_a/transition", "/robot_a/chi", "/robot_b/chi", "/robot_a/references")
@@ -66,7 +67,7 @@ def test_a_target_in_mid_blend_is_no_kick(tmp_path, mode):
     tool = _ahead_of_the_tool()
     target = replace(switch, at=1.5, switch="", duration=0.0, ee_target={"robot_a": tool})
     scenario = replace(scenario, scenario=replace(scenario.scenario, events=(switch, target)))
-    with running(scenario, tmp_path) as run:
+    with apart(scenario, tmp_path) as run:
         run.play()
         assert run.end() == []
     peak = acceleration_ratio(tmp_path / "bag", team().limits.acceleration, 0.01)
@@ -116,7 +117,7 @@ class User:
 def user(tmp_path_factory):
     """Return a user of a long realtime run without targets of its own."""
     scenario = short_scenario(mode="realtime", events=(), duration=600.0, base_target={})
-    with running(scenario, tmp_path_factory.mktemp("run")) as run:
+    with apart(scenario, tmp_path_factory.mktemp("run")) as run:
         user = User(run)
         user.release()
         user.until(lambda: user.commands and user.decisions)

@@ -25,7 +25,8 @@ from lexstack_bag.run.reader import read_run
 from lexstack_bringup.commands import replay as ros_command
 from lexstack_bringup.domain import own_domain
 from lexstack_interfaces.msg import TransitionStatus
-from support.processes import running, short_scenario
+from lexstack_testing.played_run import apart
+from support.runs import short_scenario
 
 pytestmark = pytest.mark.system
 
@@ -48,7 +49,7 @@ def scenario():
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     out = tmp_path_factory.mktemp("recorded")
-    with running(scenario(), out) as run:
+    with apart(scenario(), out) as run:
         run.play()
         assert run.end() == []
     return out
@@ -93,7 +94,7 @@ def test_another_answer_of_robot_b_is_noticed_where_a_heard_it(run):
 
 def test_a_cancelled_transition_is_replayed(tmp_path):
     cancelled = []
-    with running(short_scenario(), tmp_path) as live:
+    with apart(short_scenario(), tmp_path) as live:
         client = live.player.create_client(Trigger, "/robot_a/cancel_transition")
 
         def watch():

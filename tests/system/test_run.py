@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from lexstack_interfaces.msg import TransitionStatus
-from support.processes import acceleration_ratio, chi_by_tick, read, running, short_scenario
+from lexstack_testing.played_run import apart
+from support.runs import acceleration_ratio, chi_by_tick, read, short_scenario
 from support.scenario import ROOT, changed, team
 
 pytestmark = pytest.mark.system
@@ -94,7 +95,7 @@ def test_realtime_completes_and_counts_late_ticks(tmp_path):
             time.sleep(0.3)
             bridge.send_signal(signal.SIGCONT)
 
-    with running(short_scenario(mode="realtime"), tmp_path) as run:
+    with apart(short_scenario(mode="realtime"), tmp_path) as run:
         begun = time.monotonic()
         run.play(watch)
         assert time.monotonic() - begun >= 3.9, "paced by the clock"
@@ -120,7 +121,7 @@ def blending(run, alpha):
 
 @pytest.mark.parametrize("mode", ["lockstep", pytest.param("realtime", marks=pytest.mark.realtime)])
 def test_kill_9_of_robot_b_while_it_blends(tmp_path, mode):
-    with running(short_scenario(mode=mode), tmp_path) as run:
+    with apart(short_scenario(mode=mode), tmp_path) as run:
         victim = run.process("stack_solver")
 
         def watch():
@@ -146,7 +147,7 @@ def test_kill_9_of_robot_b_while_it_blends(tmp_path, mode):
 def test_death_of_robot_a_is_told_with_its_last_lines_and_the_plant_brakes(tmp_path):
     timeouts = changed().scenario.timeouts
     scenario = short_scenario(timeouts=type(timeouts)(command_wall=0.3))
-    with running(scenario, tmp_path) as run:
+    with apart(scenario, tmp_path) as run:
         victim = run.process("hqp_controller")
 
         def watch():
@@ -171,7 +172,7 @@ def test_death_of_robot_a_is_told_with_its_last_lines_and_the_plant_brakes(tmp_p
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
 def test_every_process_ends_cleanly_on_a_signal(tmp_path, number):
-    with running(short_scenario(), tmp_path) as run:
+    with apart(short_scenario(), tmp_path) as run:
         run.play(lambda: None)
         for child in run.supervisor.children:
             child.process.send_signal(number)

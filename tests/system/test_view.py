@@ -15,8 +15,9 @@ from std_srvs.srv import SetBool
 from lexstack_bringup.live_page import start_page
 from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_ros.messages.qos import STREAM
+from lexstack_testing.played_run import apart
 from support.browser import Browser
-from support.processes import chi_by_tick, running, short_scenario
+from support.runs import chi_by_tick, short_scenario
 
 pytestmark = pytest.mark.system
 PATIENCE = 40.0  # s
@@ -76,7 +77,7 @@ def test_being_watched_does_not_change_chi(tmp_path):
     for name, watched in (("alone", False), ("watched", True)):
         out = tmp_path / name
         out.mkdir()
-        with running(short_scenario(duration=3.0), out) as run:
+        with apart(short_scenario(duration=3.0), out) as run:
             if watched:
                 stop = Event()
                 url = start_page(run.supervisor, out / "scenario.yaml")
@@ -93,7 +94,7 @@ def test_being_watched_does_not_change_chi(tmp_path):
 @pytest.fixture(scope="module")
 def visitor(tmp_path_factory):
     scenario = short_scenario(mode="lockstep", events=(), duration=3000.0)
-    with running(scenario, tmp_path_factory.mktemp("run")) as run:
+    with apart(scenario, tmp_path_factory.mktemp("run")) as run:
         visitor = Visitor(run)
         client = run.player.create_client(SetBool, "/sim_bridge/pause")
         visitor.until(client.service_is_ready)

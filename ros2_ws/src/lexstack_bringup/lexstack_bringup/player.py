@@ -28,6 +28,7 @@ from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.node.calls import NoAnswerError, answer_of
 from lexstack_ros.node.readiness import is_connected
 
 PLAYER = "scenario_player"
@@ -153,13 +154,10 @@ class Player(Node):
 
     def _call(self, client: Any, request: Any) -> Any:
         """Return a service's answer; raises ScenarioFailedError when none comes in time."""
-        future = client.call_async(request)
-        end = time.monotonic() + _ANSWER
-        while not future.done():
-            self._executor.spin_once(timeout_sec=0.1)
-            if time.monotonic() > end:
-                raise ScenarioFailedError(f"{client.srv_name}: no answer in {_ANSWER:g} s")
-        return future.result()
+        try:
+            return answer_of(self._executor, client, request, _ANSWER)
+        except NoAnswerError as error:
+            raise ScenarioFailedError(str(error)) from error
 
     # ---- waiting
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +13,11 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.action import ActionClient
 from rclpy.experimental import EventsExecutor
-from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import SetBool
 
 from lexstack.config.resolved import ResolvedScenario
 from lexstack.errors import LexstackError
 from lexstack.mpc import SequenceTask
-from lexstack_bringup.domain import own_domain
 from lexstack_bringup.processes import MODULES, RECORDER, arguments_of, bring_up, nodes_of
 from lexstack_bringup.supervisor import Child, Supervisor
 from lexstack_interfaces.action import ExecuteSequence
@@ -29,12 +26,13 @@ from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.messages.names import base_of
 from lexstack_ros.messages.plans import task_message
 from lexstack_ros.messages.qos import SERVICE, STREAM
+from lexstack_ros.node.calls import NoAnswerError, answer_of, wait_until
 from lexstack_ros.node.readiness import READY
+from lexstack_testing.ros_session import ros_session
 
 USER = "rig"
 _PATIENCE = 40.0  # s of wall time
 _PARTNERS = ("sim_bridge", "hqp_controller", "stack_solver")
-_DOMAIN = "ROS_DOMAIN_ID"
 _ANSWER = 2.0  # s of wall time, after which a service is called again
 
 
@@ -167,10 +165,8 @@ class Rig:
         end = time.monotonic() + _PATIENCE
         while time.monotonic() < end:
             self.wait(client.service_is_ready, _ANSWER)
-            future = client.call_async(request)
-            if self.wait(future.done, _ANSWER):
-                return future.result()
-            client.remove_pending_request(future)
+            with suppress(NoAnswerError):
+                return answer_of(self.executor, client, request, _ANSWER)
         raise RigError(f"{client.srv_name}: no answer in {_PATIENCE:g} s")
 
     def ask_until(
@@ -227,12 +223,7 @@ class Rig:
 
     def wait(self, condition: Callable[[], bool], seconds: float) -> bool:
         """Return whether the condition came true in time."""
-        end = time.monotonic() + seconds
-        while not condition():
-            if time.monotonic() > end:
-                return False
-            self.executor.spin_once(timeout_sec=0.02)
-        return True
+        return wait_until(self.executor, condition, seconds)
 
     def until(self, condition: Callable[[], bool], what: str) -> None:
         """Wait for a condition; raises RigError."""
@@ -265,11 +256,8 @@ class Rig:
 @contextmanager
 def running(resolved: ResolvedScenario, out: Path) -> Iterator[Rig]:
     """Yield a rig whose processes are up, on a domain of its own; leave none behind."""
-    before = os.environ.get(_DOMAIN)
-    with own_domain() as domain:
-        os.environ[_DOMAIN] = str(domain)
+    with ros_session():
         supervisor = Supervisor(out / "logs")
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         rig = None
         try:
             rig = Rig(resolved, out, supervisor)
@@ -278,8 +266,3 @@ def running(resolved: ResolvedScenario, out: Path) -> Iterator[Rig]:
             supervisor.end()
             if rig is not None:
                 rig.close()
-            rclpy.try_shutdown()
-            if before is None:
-                del os.environ[_DOMAIN]
-            else:
-                os.environ[_DOMAIN] = before
