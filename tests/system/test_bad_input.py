@@ -43,7 +43,7 @@ class Stranger:
     """A node that sends whatever is wrong, on the topics that our nodes hear."""
 
     def __init__(self, run):
-        self.node = rclpy.create_node("stranger")
+        self.node = rclpy.create_node("stranger", context=run.context)
         run.executor.add_node(self.node)
         self.rng = np.random.default_rng(0)
         self.sent = 0

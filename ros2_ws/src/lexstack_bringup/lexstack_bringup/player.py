@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
+from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.executors import Executor
 from rclpy.node import Node
@@ -43,9 +44,11 @@ class ScenarioFailedError(LexstackError):
 class Player(Node):
     """The user of a run: all it does, anybody can do by topic and service."""
 
-    def __init__(self, resolved: ResolvedScenario, executor: Executor) -> None:
-        """Prepare to play; ``executor`` runs this node alone."""
-        super().__init__(PLAYER)
+    def __init__(
+        self, resolved: ResolvedScenario, executor: Executor, context: Context | None = None
+    ) -> None:
+        """Prepare to play; ``executor``, of the same ``context``, runs this node too."""
+        super().__init__(PLAYER, context=context)
         self._scenario = resolved.scenario
         self._executor = executor
         executor.add_node(self)

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
+from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 
@@ -48,12 +49,14 @@ class PlayedRun(Protocol):
     Attributes:
         out: its folder, with the bag in ``bag``.
         resolved: its scenario.
+        context: of ROS.
         executor: of the player, and of all nodes of this process.
         player: plays the scenario.
     """
 
     out: Path
     resolved: ResolvedScenario
+    context: Context
     executor: EventsExecutor
     player: Player
 
@@ -74,14 +77,17 @@ class ApartRun:
         supervisor: of the processes.
     """
 
-    def __init__(self, resolved: ResolvedScenario, out: Path, supervisor: Supervisor) -> None:
+    def __init__(
+        self, resolved: ResolvedScenario, out: Path, supervisor: Supervisor, context: Context
+    ) -> None:
         """Bring everything up."""
         self.out = out
         self.supervisor = supervisor
         self.resolved = resolved
         (out / "scenario.yaml").write_text(resolved.to_yaml(), encoding="utf-8")
-        self.executor = EventsExecutor()
-        self.player = Player(resolved, self.executor)
+        self.context = context
+        self.executor = EventsExecutor(context=context)
+        self.player = Player(resolved, self.executor, context)
         bring_up(supervisor, out / "scenario.yaml", out / "bag", peers=[PLAYER])
         # All know the player then; the player learns of the last of them a little later.
         nodes = nodes_of(resolved.scenario)
@@ -112,14 +118,15 @@ class TogetherRun:
         nodes: by name.
     """
 
-    def __init__(self, resolved: ResolvedScenario, out: Path) -> None:
+    def __init__(self, resolved: ResolvedScenario, out: Path, context: Context) -> None:
         """Make all nodes, and wait until they are connected."""
         self.out = out
         self.resolved = resolved
         path = out / "scenario.yaml"
         path.write_text(resolved.to_yaml(), encoding="utf-8")
-        self.executor = EventsExecutor()
-        self.player = Player(resolved, self.executor)
+        self.context = context
+        self.executor = EventsExecutor(context=context)
+        self.player = Player(resolved, self.executor, context)
         self.nodes: dict[str, Node] = {}
         try:
             for name in nodes_of(resolved.scenario):
@@ -139,7 +146,7 @@ class TogetherRun:
         given: dict[str, Any] = {"scenario": str(self.out / "scenario.yaml"), **parameters}
         if name != base_of(name):
             given["number"] = int(name.removeprefix(f"{SOLVER}_"))
-        node = KINDS[base_of(name)](NodeOptions(parameters=given, name=name))
+        node = KINDS[base_of(name)](NodeOptions(self.context, parameters=given, name=name))
         self.nodes[name] = node
         self.executor.add_node(node)
         return node
@@ -168,11 +175,11 @@ class TogetherRun:
 @contextmanager
 def apart(resolved: ResolvedScenario, out: Path) -> Iterator[ApartRun]:
     """Yield a run whose processes are up; leave none behind."""
-    with ros_session():
+    with ros_session(children=True) as context:
         supervisor = Supervisor(out / "logs")
         run = None
         try:
-            run = ApartRun(resolved, out, supervisor)
+            run = ApartRun(resolved, out, supervisor, context)
             yield run
         finally:
             supervisor.end()
@@ -184,8 +191,8 @@ def apart(resolved: ResolvedScenario, out: Path) -> Iterator[ApartRun]:
 @contextmanager
 def together(resolved: ResolvedScenario, out: Path) -> Iterator[TogetherRun]:
     """Yield a run whose nodes are up in this process; leave none behind."""
-    with ros_session():
-        run = TogetherRun(resolved, out)
+    with ros_session(children=False) as context:
+        run = TogetherRun(resolved, out, context)
         try:
             yield run
         finally:

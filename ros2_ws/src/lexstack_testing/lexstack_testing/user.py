@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 import rclpy
+from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -26,6 +27,7 @@ class InVainError(LexstackError):
 class Used(Protocol):
     """A run, as far as its user needs it."""
 
+    context: Context
     executor: Executor
 
     def check(self) -> None:
@@ -44,7 +46,7 @@ class User:
     def __init__(self, run: Used, node: Node | None = None) -> None:
         """Use a run by a node that its executor has already, or by a new one."""
         self.run = run
-        self.node = node or rclpy.create_node("user")
+        self.node = node or rclpy.create_node("user", context=run.context)
         if node is None:
             run.executor.add_node(self.node)
         self.states: list[PlantState] = []

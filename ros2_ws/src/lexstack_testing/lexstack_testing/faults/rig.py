@@ -12,6 +12,7 @@ from typing import Any
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.action import ActionClient
+from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from std_srvs.srv import SetBool
 
@@ -54,7 +55,9 @@ class Rig:
             recorder may find a robot A that starts anew later than its users do.
     """
 
-    def __init__(self, resolved: ResolvedScenario, out: Path, supervisor: Supervisor) -> None:
+    def __init__(
+        self, resolved: ResolvedScenario, out: Path, supervisor: Supervisor, context: Context
+    ) -> None:
         """Bring everything up and release the plant."""
         self.scenario = resolved.scenario
         self.nodes = nodes_of(resolved.scenario)
@@ -68,8 +71,8 @@ class Rig:
         self._out = out
         self._path = out / "scenario.yaml"
         self._path.write_text(resolved.to_yaml(), encoding="utf-8")
-        self.executor = EventsExecutor()
-        self.node = rclpy.create_node(USER)
+        self.executor = EventsExecutor(context=context)
+        self.node = rclpy.create_node(USER, context=context)
         self.executor.add_node(self.node)
         self._switch = self.node.create_client(
             SwitchStack, "/robot_a/switch_stack", qos_profile=SERVICE
@@ -256,11 +259,11 @@ class Rig:
 @contextmanager
 def running(resolved: ResolvedScenario, out: Path) -> Iterator[Rig]:
     """Yield a rig whose processes are up, on a domain of its own; leave none behind."""
-    with ros_session():
+    with ros_session(children=True) as context:
         supervisor = Supervisor(out / "logs")
         rig = None
         try:
-            rig = Rig(resolved, out, supervisor)
+            rig = Rig(resolved, out, supervisor, context)
             yield rig
         finally:
             supervisor.end()
