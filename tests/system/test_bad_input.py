@@ -1,10 +1,6 @@
 """Bad input to live nodes: not a bit of the motion changes, and every refusal is told."""
 
 import copy
-import os
-import signal
-import subprocess
-import sys
 import time
 
 import numpy as np
@@ -21,7 +17,7 @@ from lexstack_interfaces.msg import Chi, PlantState, StackRequest
 from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_testing.played_run import apart
 from support.runs import short_scenario
-from support.scenario import ROOT, team
+from support.scenario import team
 
 pytestmark = pytest.mark.system
 LIMIT = team().limits.acceleration
@@ -244,129 +240,3 @@ def test_of_two_that_begin_together_one_commands(tmp_path):
         steps = np.abs(np.diff([s.command for s in states], axis=0)) / (0.01 * LIMIT)
         assert steps.max() <= 1.0001
         visitor.node.destroy_node()
-
-
-# ---- arguments and parameters
-
-
-NODE_ARGUMENTS = [
-    ([], "parameter 'scenario'"),
-    (["-p", "scenario:=/none.yaml"], "cannot be read"),
-    (["-p", "scenario:=/"], "no regular file"),
-    (["-p", "scenario:=/dev/zero"], "no regular file"),
-    (["-p", "scenario:=5"], "parameter 'scenario'"),
-    (["-p", "scenario"], "arguments of the node"),
-    (["-p", "scenario:=[1, x"], "arguments of the node"),
-    (["--nonsense"], "arguments of the node"),
-    (["--params-file", "/none.yaml"], "arguments of the node"),
-    (["-p", "scenario:=GOOD", "-p", "peers:=[1, 2]"], "parameter 'peers'"),
-    (["-p", "scenario:=GOOD", "--", "--unknown"], "unknown '--unknown'"),
-]
-
-
-@pytest.mark.parametrize("node", sorted(NODES))
-def test_wrong_arguments_of_a_node_are_one_line_and_exit_code_2(tmp_path, node):
-    """All cases of a node at once: most of their time is imports."""
-    good = tmp_path / "scenario.yaml"
-    good.write_text(short_scenario().to_yaml(), encoding="utf-8")
-    extra = ["-p", f"output:={tmp_path / 'bag'}"] if node == "recorder" else []
-    children = []
-    cases = NODE_ARGUMENTS if node == "hqp_controller" else NODE_ARGUMENTS[:3]  # shared code
-    for number, (arguments, what) in enumerate(cases):
-        given = [a.replace("GOOD", str(good)) for a in arguments]
-        command = [sys.executable, "-m", NODES[node], "--ros-args", *extra, *given]
-        if node == "recorder":
-            command = [a.replace("/bag", f"/bag{number}") for a in command]
-        environment = {**os.environ, "ROS_DOMAIN_ID": "201"}
-        children.append(
-            (
-                given,
-                what,
-                subprocess.Popen(
-                    command,
-                    stdout=subprocess.PIPE,
-                    stderr=subprocess.STDOUT,
-                    text=True,
-                    env=environment,
-                    cwd=ROOT,
-                ),
-            )
-        )
-    for given, what, process in children:
-        try:
-            output, _ = process.communicate(timeout=100)
-        finally:
-            if process.poll() is None:
-                process.send_signal(signal.SIGKILL)
-                process.wait()
-        assert process.returncode == 2, (given, output)
-        lines = [line for line in output.splitlines() if line.startswith("error: ")]
-        assert len(lines) == 1, (given, output)
-        assert what in lines[0], (given, output)
-        assert "Traceback" not in output
-
-
-COMMAND_ARGUMENTS = [
-    ("lexstack_bringup.commands.demo", ["FILE"], "file.yaml: not valid YAML"),
-    ("lexstack_bringup.commands.demo", ["FOLDER"], "unknown scenario"),
-    ("lexstack_bringup.commands.demo", ["x" * 5000], "unknown scenario"),
-    ("lexstack_bringup.commands.demo", ["a\0b".replace("\0", "\x01")], "unknown scenario"),
-    ("lexstack_bringup.commands.demo", ["--seed", "1" * 5000], "invalid int value"),
-    ("lexstack_bringup.commands.demo", ["--seed", "99999999999"], "--seed: must be in"),
-    ("lexstack_bringup.commands.demo", ["--out", "x" * 5000], "--out: "),
-    ("lexstack_bringup.commands.bringup", [], "required"),
-    (
-        "lexstack_bringup.commands.bringup",
-        ["--only", "x", "--host-config", "none"],
-        "cannot be read",
-    ),
-    (
-        "lexstack_bringup.commands.bringup",
-        ["--only", "x", "--host-config", "FILE"],
-        "not valid YAML",
-    ),
-    (
-        "lexstack_bringup.commands.bringup",
-        ["--only", "dance", "--host-config", "three_hosts_peers"],
-        "--only: unknown node 'dance'; known: sim_bridge",
-    ),
-    (
-        "lexstack_bringup.commands.bringup",
-        ["--only", "stack_solver,hqp_controller", "--host-config", "three_hosts_peers"],
-        "--only: the nodes of one host are needed, got robot_a, robot_b",
-    ),
-    (
-        "lexstack_bringup.commands.bringup",
-        ["--only", ",", "--host-config", "three_hosts_peers"],
-        "got no host",
-    ),
-    ("lexstack_bag.commands.analyze", ["FOLDER"], "holds no bag"),
-    ("lexstack_bag.commands.analyze", ["FILE"], "file.yaml: "),
-    ("lexstack_bag.commands.analyze", ["/none"], "/none: "),
-]
-
-
-@pytest.mark.parametrize(
-    ("module", "arguments", "what"),
-    COMMAND_ARGUMENTS,
-    ids=[f"{m.rsplit('.')[-1]} {' '.join(a)[:30]!r}" for m, a, _ in COMMAND_ARGUMENTS],
-)
-def test_wrong_arguments_of_a_command_are_one_line_and_exit_code_2(
-    tmp_path, module, arguments, what
-):
-    (tmp_path / "file.yaml").write_text("a: 1\na: 2\n", encoding="utf-8")
-    (tmp_path / "folder").mkdir()
-    places = {"FILE": str(tmp_path / "file.yaml"), "FOLDER": str(tmp_path / "folder")}
-    done = subprocess.run(
-        [sys.executable, "-m", module, *(places.get(a, a) for a in arguments)],
-        capture_output=True,
-        text=True,
-        timeout=100,
-        check=False,
-        cwd=ROOT,
-    )
-    assert done.returncode == 2, done.stderr
-    assert what in done.stderr
-    assert "Traceback" not in done.stderr
-    told = [line for line in done.stderr.splitlines() if not line.startswith(("usage", " "))]
-    assert len(told) == 1, done.stderr

@@ -338,17 +338,3 @@ def test_it_ends_with_the_scenario_if_asked(bring_up):
     output, _ = system.process.communicate(timeout=PATIENCE)
     assert system.process.returncode == 0, output
     assert "finished" in output
-
-
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        ({"scenario": "/nowhere.yaml"}, "'/nowhere.yaml': cannot be read"),
-    ],
-)
-def test_a_wrong_parameter_is_one_clear_line(bring_up, parameters, message):
-    system = bring_up(**parameters)
-    output, _ = system.process.communicate(timeout=PATIENCE)
-    assert system.process.returncode == 2
-    assert message in output
-    assert "Traceback" not in output

@@ -230,27 +230,3 @@ def test_a_child_that_dies_ends_the_demo_with_its_name(tmp_path):
     assert done.returncode == 1
     assert "sim_bridge ended with exit code 2" in done.stderr
     assert "multiple of" in done.stderr, "with the last lines of its log"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["nonsense"], "unknown scenario 'nonsense'; known: "),
-        (["--mode", "warp"], "invalid choice"),
-        (["--seed", "-1"], "--seed: must be in"),
-        (["--seed", "x"], "invalid int value"),
-        (["--out", "/proc/nothing/here"], "--out: "),
-    ],
-)
-def test_bad_arguments_give_one_line_and_exit_code_2(arguments, message):
-    done = demo(*arguments)
-    assert done.returncode == 2
-    assert message in done.stderr
-    assert "Traceback" not in done.stderr
-
-
-def test_a_folder_that_holds_something_is_refused(tmp_path):
-    (tmp_path / "precious").touch()
-    done = demo("--out", tmp_path)
-    assert done.returncode == 2
-    assert "is not empty" in done.stderr
