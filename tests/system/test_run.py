@@ -10,10 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from lexstack.config.resolved import load_scenario
 from lexstack_interfaces.msg import TransitionStatus
-from lexstack_testing.played_run import apart
+from lexstack_testing.played_run import apart, together
 from support.runs import acceleration_ratio, chi_by_tick, read, short_scenario
-from support.scenario import ROOT, changed, team
+from support.scenario import ROOT, SCENARIO, changed, team
 
 pytestmark = pytest.mark.system
 LIMIT = team().limits.acceleration
@@ -71,9 +72,13 @@ def test_the_demo_leaves_a_complete_run_folder(whole):
 
 
 def test_the_same_seed_gives_the_same_bits(whole, tmp_path):
+    """The one in processes, the other in one."""
     out, _ = whole
     again = tmp_path / "again"
-    assert demo("--out", again).returncode == 0
+    again.mkdir()
+    with together(load_scenario(SCENARIO), again) as run:
+        run.play()
+        assert run.end() == []
     for topic in ("/robot_a/chi", "/robot_b/chi"):
         one, other = chi_by_tick(out / "bag", topic), chi_by_tick(again / "bag", topic)
         assert len(one) > 300
