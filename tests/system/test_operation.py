@@ -20,6 +20,7 @@ from std_srvs.srv import SetBool
 
 from lexstack_bringup.processes import NODES
 from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.node.calls import answer_of, wait_until
 from lexstack_testing.played_run import apart
 from support.listening import sockets
 from support.qos import documented_qos
@@ -72,20 +73,15 @@ def run(tmp_path_factory):
 
 
 def until(run, condition):
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        run.supervisor.check()
-        assert time.monotonic() < end
-        run.executor.spin_once(timeout_sec=0.05)
+    assert wait_until(run.executor, condition, PATIENCE, run.check)
 
 
 def call(run, kind, name, **request):
     client = run.player.create_client(kind, name)
     until(run, client.service_is_ready)
-    future = client.call_async(kind.Request(**request))
-    until(run, future.done)
+    answer = answer_of(run.executor, client, kind.Request(**request), PATIENCE, run.check)
     run.player.destroy_client(client)
-    return future.result()
+    return answer
 
 
 def names(pairs):
