@@ -25,6 +25,13 @@ CHECKS = {
     "dependencies": [sys.executable, "tests/dependencies.py"],
 }
 
+PARTS = [
+    ["tests", "--ignore=tests/system", "--numprocesses=auto", "--dist=worksteal"],
+    ["tests/system", "-m", "not realtime and not alone", "--numprocesses=2", "--dist=loadgroup"],
+    ["tests/system", "-m", "realtime or alone"],
+]
+"""The parts of the tests, one after another."""
+
 
 def run_check(name: str, command: list[str]) -> bool:
     """Run a check, print its outcome on one line, and its output if it failed."""
@@ -60,15 +67,14 @@ def offer_browser() -> None:
 def run_tests(arguments: list[str]) -> int:
     """Run pytest with the arguments, or all of it where there are none; return the exit code.
 
-    What only computes runs on as many cores as there are. The system tests start processes that
-    need them all, and come one after another.
+    What only computes runs on as many cores as there are. Runs in lockstep take their time and are
+    right all the same, so two of them share the machine. What runs in real time needs all of it,
+    and comes last and alone.
     """
     variables = {**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1"}
-    computing = ["tests", "--ignore=tests/system", "--numprocesses=auto", "--dist=worksteal"]
-    running = ["tests/system"]
     codes = []
-    for chosen in [arguments] if arguments else [computing, running]:
-        command = [sys.executable, "-m", "pytest", *chosen]
+    for chosen in [arguments] if arguments else PARTS:
+        command = [sys.executable, "-m", "pytest", "--durations=25", *chosen]
         codes.append(subprocess.run(command, cwd=ROOT, env=variables, check=False).returncode)
     # Not the largest: a pytest that a signal has ended has a negative one.
     return next((code for code in codes if code), 0)

@@ -113,14 +113,12 @@ def least_time(motion, new):
     times = []
     for sign, wall in ((-1.0, new.position_lower), (1.0, new.position_upper)):
         out, v = sign * (motion.position - wall), sign * motion.applied
-        a, fastest, time = new.acceleration, new.velocity, np.full(N, np.nan)
-        start = out > 0.0
-        slowing = (v + fastest) / a
-        for t in np.linspace(0.0, 40.0, 20001):
-            braked = np.minimum(t, slowing)
-            way = out + v * braked - 0.5 * a * braked**2 - fastest * (t - braked)
-            time = np.where(start & np.isnan(time) & (way <= 0.0), t, time)
-        times.append(time)
+        a, fastest = new.acceleration, new.velocity
+        t = np.linspace(0.0, 40.0, 20001)[:, None]
+        braked = np.minimum(t, (v + fastest) / a)
+        inside = out + v * braked - 0.5 * a * braked**2 - fastest * (t - braked) <= 0.0
+        arrives = (out > 0.0) & inside.any(axis=0)
+        times.append(np.where(arrives, t[inside.argmax(axis=0), 0], np.nan))
     return np.fmax(*times)
 
 

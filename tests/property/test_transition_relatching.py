@@ -23,13 +23,17 @@ def within_limits(result):
 
 
 def check(train, most=1.5):
-    """Check what holds for any train of events; ``most``: way over that with a perfect B."""
+    """Check what holds for any train of events, and return its run.
+
+    ``most``: way over that with a perfect B.
+    """
     result = run(train)
     assert not still_blending(result), "it ends within its duration and the stated time"
     assert within_limits(result)
     perfect = ways(run(train, perfect=True))
     went = ways(result)
     assert (went <= most * perfect + LITTLE).all(), (went, perfect)
+    return result
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -66,9 +70,7 @@ def stream(mode, lag, *, lead=0.0, named=False, until=700):
 @pytest.mark.parametrize("mode", ["lockstep", "realtime"])
 def test_a_stream_that_b_has_a_tick_late_does_not_drive_the_bases_away(mode):
     """Each tick B is lost and back: the velocity command grew by what each latch carried on."""
-    train = stream(mode, 1)
-    check(train)
-    told = [command.transition for command in run(train).record.commands]
+    told = [command.transition for command in check(stream(mode, 1)).record.commands]
     changes = sum(a.reason != b.reason for a, b in itertools.pairwise(told))
     assert changes <= 10, "574 in the run that was reported"
 

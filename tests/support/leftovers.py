@@ -7,7 +7,10 @@ from pathlib import Path
 
 from lexstack_bringup.shared_memory import FOLDER, abandoned
 
-_OURS = (b"lexstack_ros.", b"lexstack_sim.", b"lexstack_bag.", b"lexstack_experiments.")
+_OURS = tuple(
+    f"lexstack_{package}.".encode()
+    for package in ("ros", "plant", "bringup", "testing", "sim", "bag", "experiments")
+)
 _PATIENCE = 10.0  # s, in which what is ending ends
 
 

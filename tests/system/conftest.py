@@ -1,4 +1,4 @@
-"""Tests with the mark ``realtime`` need the machine to themselves: see ``support.quiet``."""
+"""Where system tests run: in real time alone, the others two at a time (see ``tests/run.py``)."""
 
 import os
 
@@ -8,14 +8,28 @@ from support.quiet import MARK, TIMEOUT, in_real_time
 
 
 def pytest_configure() -> None:
-    """Let all that the tests start be known as theirs."""
+    """Let all that the tests start be known as theirs; two workers are on two domains."""
     os.environ[MARK] = str(os.getpid())
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        os.environ.pop("ROS_DOMAIN_ID", None)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Let each such test be tried again where others had the machine."""
+    """Let tests in real time be tried again where others had the machine (``support.quiet``).
+
+    Tests of a module that share a run stay together.
+    """
     for item in items:
-        if isinstance(item, pytest.Function) and item.get_closest_marker("realtime"):
+        if not isinstance(item, pytest.Function):
+            continue
+        if item.get_closest_marker("realtime"):
             item.obj = in_real_time(item.obj)
             if not item.get_closest_marker("timeout"):
                 item.add_marker(pytest.mark.timeout(TIMEOUT))
+        shared = [
+            name
+            for name, found in item._fixtureinfo.name2fixturedefs.items()
+            if found[-1].scope == "module"
+        ]
+        if shared:
+            item.add_marker(pytest.mark.xdist_group(f"{item.module.__name__} {sorted(shared)[0]}"))

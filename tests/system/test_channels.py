@@ -10,7 +10,8 @@ from lexstack_bag.run.reader import read_run
 from lexstack_config.parts import build_team
 from lexstack_config.scenario import EventConfig
 from lexstack_interfaces.msg import TransitionStatus
-from support.processes import acceleration_ratio, read, running
+from lexstack_testing.played_run import together
+from support.runs import acceleration_ratio, read
 from support.scenario import resolved
 
 pytestmark = pytest.mark.system
@@ -50,7 +51,7 @@ def scenario():
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory):
     """Return the bag of one lockstep run."""
-    with running(scenario(), tmp_path_factory.mktemp("run")) as run:
+    with together(scenario(), tmp_path_factory.mktemp("run")) as run:
         run.play()
         assert run.end() == []
     return run.out / "bag"

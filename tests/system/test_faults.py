@@ -23,7 +23,7 @@ from lexstack_testing.faults.rig import running
 from support.quiet import MACHINE, TIMEOUT
 from support.scenario import CONFIG, ROOT
 
-pytestmark = [pytest.mark.system, pytest.mark.timeout(TIMEOUT)]
+pytestmark = [pytest.mark.system, pytest.mark.alone, pytest.mark.timeout(TIMEOUT)]
 
 # Robot B's death is in test_run.py, the HTMPC's in test_htmpc.py, a cut network in test_hosts.py.
 CHOSEN = (

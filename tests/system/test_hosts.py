@@ -15,7 +15,7 @@ import yaml
 from lexstack_bringup.hosts import VARIABLES
 from lexstack_interfaces.msg import PlantState
 from lexstack_testing.virtual_lan import Lan, why_not
-from support.processes import acceleration_ratio, read
+from support.runs import acceleration_ratio, read
 from support.scenario import CONFIG, ROOT, SCENARIO, team
 
 WHY_NOT = why_not()

@@ -27,9 +27,11 @@ from lexstack_interfaces.msg import SequenceStatus, TransitionStatus
 from lexstack_interfaces.srv import ChangeSequence
 from lexstack_ros.messages.plans import task_message
 from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.node.calls import wait_until
 from lexstack_ros.node.readiness import READY
+from lexstack_testing.played_run import apart, together
 from support.planned_loop import PlannedLoop
-from support.processes import acceleration_ratio, chi_by_tick, read, running
+from support.runs import acceleration_ratio, chi_by_tick, read
 from support.scenario import CONFIG, team
 
 pytestmark = pytest.mark.system
@@ -46,7 +48,7 @@ def scenario(name, **values):
 def delivery(tmp_path_factory):
     """Return the folder of a lockstep run with two sequences at once, and their results."""
     folder = tmp_path_factory.mktemp("delivery")
-    with running(scenario("deliver-both", duration=7.5), folder) as run:
+    with together(scenario("deliver-both", duration=7.5), folder) as run:
         run.play()
         results = dict(run.player._sequences.results)
     return folder, results
@@ -85,7 +87,8 @@ def test_a_follows_the_plans_of_both_robots_and_goes_back(delivery, name, robot,
 
 
 def test_two_lockstep_runs_are_equal_to_the_bit_whatever_goals_were_refused(delivery, tmp_path):
-    with running(scenario("deliver-both", duration=5.0), tmp_path) as run:
+    """The one in one process, the other in five."""
+    with apart(scenario("deliver-both", duration=5.0), tmp_path) as run:
         refused(run)
         run.play()
     chi = [chi_by_tick(folder / "bag", CHI) for folder in (delivery[0], tmp_path)]
@@ -149,7 +152,9 @@ def refused(run):
     for text, fields in cases.items():
         goal = ExecuteSequence.Goal(**{"robot": "robot_a", "at_tick": 50, **fields})
         time.sleep(0.1)  # not a flood: of that the log tells a part
-        assert not spun(run, client.send_goal_async(goal)).accepted
+        future = client.send_goal_async(goal)
+        assert wait_until(run.executor, future.done, 15.0)
+        assert not future.result().accepted
         assert f"refused: {ACTION}: " in logged(run, text)
 
 
@@ -163,15 +168,6 @@ def logged(run, text):
             return found[-1]
         time.sleep(0.05)
     raise AssertionError(f"not in the log: {text}")
-
-
-def spun(run, future):
-    """Return a future's result."""
-    end = time.monotonic() + 15.0
-    while not future.done():
-        run.executor.spin_once(timeout_sec=0.1)
-        assert time.monotonic() < end
-    return future.result()
 
 
 class EnoughSeenError(Exception):
@@ -261,7 +257,7 @@ class KillAndAskAgain:
 
 
 def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequences_are_taken(tmp_path):
-    with running(scenario("deliver-one", duration=600.0), tmp_path) as run:
+    with apart(scenario("deliver-one", duration=600.0), tmp_path) as run:
         watch = KillAndAskAgain(run)
         with pytest.raises(EnoughSeenError):
             run.play(watch)

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.srv import SetParameters
@@ -16,14 +15,15 @@ from lexstack.robots import Pose, to_quaternion
 from lexstack_bringup.processes import NODES
 from lexstack_config.resolved import load_scenario
 from lexstack_config.scenario import PoseConfig
-from lexstack_interfaces.msg import Chi, PlantState, References
+from lexstack_interfaces.msg import References
 from lexstack_ros.messages.conversions import pose_message
-from lexstack_ros.messages.qos import LATCHED, STREAM
-from support.processes import acceleration_ratio, read, running, short_scenario
+from lexstack_ros.messages.qos import LATCHED
+from lexstack_testing.played_run import apart, together
+from lexstack_testing.user import PATIENCE, User
+from support.runs import acceleration_ratio, read, short_scenario
 from support.scenario import CONFIG, home, team
 
 pytestmark = pytest.mark.system
-PATIENCE = 20.0  # s
 
 
 def stream(mode, **values):
@@ -38,7 +38,7 @@ def stream(mode, **values):
 
 def test_a_stream_without_stamps_loses_no_b_and_the_blend_takes_its_time(tmp_path):
     """Each χ of B was solved with the references that A had at its tick."""
-    with running(stream("lockstep"), tmp_path) as run:
+    with together(stream("lockstep"), tmp_path) as run:
         run.play()
         assert run.end() == []
     topics = ("/robot_a/transition", "/robot_a/chi", "/robot_b/chi", "/robot_a/references")
@@ -57,8 +57,14 @@ def test_a_stream_without_stamps_loses_no_b_and_the_blend_takes_its_time(tmp_pat
     assert all(of_a[tick] == revision for tick, revision in newest.items())
 
 
-@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
-def test_a_target_in_mid_blend_is_no_kick(tmp_path, mode):
+@pytest.mark.parametrize(
+    ("mode", "running"),
+    [
+        ("lockstep", together),
+        pytest.param("realtime", apart, marks=pytest.mark.realtime),
+    ],
+)
+def test_a_target_in_mid_blend_is_no_kick(tmp_path, mode, running):
     """The target steps; the peak is that of the bridge, in realtime as in lockstep (0.16)."""
     scenario = short_scenario(mode=mode, lead_in=0.0)
     switch = replace(scenario.scenario.events[0], duration=1.0)
@@ -72,38 +78,20 @@ def test_a_target_in_mid_blend_is_no_kick(tmp_path, mode):
     assert 0.05 < peak < 0.25
 
 
-class User:
-    """Publishes targets, and keeps what it hears."""
+class Sender(User):
+    """Publishes targets, and keeps what robot A decides and complains of."""
 
     def __init__(self, run):
-        self.run = run
-        self.node = rclpy.create_node("user")
-        run.executor.add_node(self.node)
-        self.decisions, self.states, self.complaints, self.commands = [], [], [], []
-        self.node.create_subscription(
-            References, "/robot_a/references", self.decisions.append, LATCHED
-        )
-        self.node.create_subscription(PlantState, "/plant/state", self.states.append, STREAM)
-        self.node.create_subscription(Chi, "/robot_a/chi", self.commands.append, STREAM)
+        super().__init__(run)
+        self.decisions = self.hear(References, "/robot_a/references", [], LATCHED)
+        self.complaints = []
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
-        self.targets = self.node.create_publisher(PoseStamped, "/robot_a/ee_target", STREAM)
-        self.until(lambda: self.targets.get_subscription_count() >= 1)
-        time.sleep(0.5)  # the other side must know the publisher too
+        self.targets = self.publisher(PoseStamped, "/robot_a/ee_target")
+        assert self.call(SetBool, "/sim_bridge/pause", data=False).success
+        self.until(lambda: self.commands and self.decisions)
 
     def _on_diagnostics(self, message):
         self.complaints += [s.message for s in message.status if s.name == "hqp_controller"]
-
-    def until(self, condition):
-        end = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < end
-            self.run.executor.spin_once(timeout_sec=0.05)
-
-    def release(self):
-        client = self.node.create_client(SetBool, "/sim_bridge/pause")
-        self.until(client.service_is_ready)
-        future = client.call_async(SetBool.Request(data=False))
-        self.until(future.done)
 
     def send(self, pose, stamp):
         message = pose_message(pose, 0.0, to_quaternion(pose.rotation))
@@ -113,14 +101,10 @@ class User:
 
 @pytest.fixture(scope="module")
 def user(tmp_path_factory):
-    """Return a user of a long realtime run without targets of its own."""
-    scenario = short_scenario(mode="realtime", events=(), duration=600.0, base_target={})
-    with running(scenario, tmp_path_factory.mktemp("run")) as run:
-        user = User(run)
-        user.release()
-        user.until(lambda: user.commands and user.decisions)
-        yield user
-        user.node.destroy_node()
+    """Return a user of a long run without targets of its own."""
+    scenario = short_scenario(events=(), duration=3000.0, base_target={})
+    with together(scenario, tmp_path_factory.mktemp("run")) as run:
+        yield Sender(run)
 
 
 def test_nothing_moves_before_somebody_asks(user):
@@ -150,45 +134,45 @@ def test_who_comes_later_hears_the_newest_decision_alone(user):
         user.send(moved(team().tools(home())[0], x, 0.0), 0)
         user.until(lambda seen=before: len(user.decisions) > seen)
         before = len(user.decisions)
-    late = []
-    user.node.create_subscription(References, "/robot_a/references", late.append, LATCHED)
+    late = user.hear(References, "/robot_a/references", [], LATCHED)
     user.until(lambda: late)
-    end = time.monotonic() + 0.5
-    while time.monotonic() < end:
-        user.run.executor.spin_once(timeout_sec=0.05)
+    user.spin(0.5)
     assert [decision.revision for decision in late] == [user.decisions[-1].revision]
 
 
 def test_the_lead_in_is_a_parameter(user):
-    client = user.node.create_client(SetParameters, "/hqp_controller/set_parameters")
-    user.until(client.service_is_ready)
     value = Parameter(name="lead_in", value=0.3).to_parameter_msg()
-    future = client.call_async(SetParameters.Request(parameters=[value]))
-    user.until(future.done)
-    assert future.result().results[0].successful
+    answer = user.call(SetParameters, "/hqp_controller/set_parameters", parameters=[value])
+    assert answer.results[0].successful
     before = len(user.decisions)
     user.send(moved(team().tools(home())[0], 0.08, 0.0), 0)
     user.until(lambda: len(user.decisions) > before)
     assert user.decisions[-1].ee_lead[1] == 0.3
 
 
-def test_a_controller_that_starts_again_goes_on_with_the_last_references(user):
+@pytest.mark.realtime
+def test_a_controller_that_starts_again_goes_on_with_the_last_references(tmp_path):
     """Robot B keeps them; the new controller's first decision is the old one's last."""
-    last = user.decisions[-1]
-    run = user.run
-    child = next(c for c in run.supervisor.children if c.name == "hqp_controller")
-    child.process.kill()
-    child.process.wait(PATIENCE)
-    run.supervisor.children.remove(child)
-    given = ["--ros-args", "-p", f"scenario:={run.out / 'scenario.yaml'}"]
-    run.supervisor.start("hqp_controller_again", NODES["hqp_controller"], given)
-    user.until(lambda: user.decisions[-1].sender != last.sender)
-    again = user.decisions[-1]
-    assert again.revision == 1
-    assert list(again.ee) == list(last.ee)
-    assert list(again.base) == list(last.base)
-    served = len(user.commands)
-    user.until(lambda: len(user.commands) > served + 20)
+    scenario = short_scenario(mode="realtime", events=(), duration=600.0, base_target={})
+    with apart(scenario, tmp_path) as run:
+        user = Sender(run)
+        before = len(user.decisions)
+        user.send(moved(team().tools(home())[0], 0.03, 0.0), 0)
+        user.until(lambda: len(user.decisions) > before)
+        last = user.decisions[-1]
+        child = next(c for c in run.supervisor.children if c.name == "hqp_controller")
+        child.process.kill()
+        child.process.wait(PATIENCE)
+        run.supervisor.children.remove(child)
+        given = ["--ros-args", "-p", f"scenario:={run.out / 'scenario.yaml'}"]
+        run.supervisor.start("hqp_controller_again", NODES["hqp_controller"], given)
+        user.until(lambda: user.decisions[-1].sender != last.sender)
+        again = user.decisions[-1]
+        assert again.revision == 1
+        assert list(again.ee) == list(last.ee)
+        assert list(again.base) == list(last.base)
+        served = len(user.commands)
+        user.until(lambda: len(user.commands) > served + 20)
 
 
 def moved(pose, x, z):

@@ -25,7 +25,8 @@ from lexstack_bringup.commands import replay as ros_command
 from lexstack_bringup.domain import own_domain
 from lexstack_config.scenario import EventConfig, PoseConfig
 from lexstack_interfaces.msg import TransitionStatus
-from support.processes import running, short_scenario
+from lexstack_testing.played_run import together
+from support.runs import short_scenario
 
 pytestmark = pytest.mark.system
 
@@ -48,7 +49,7 @@ def scenario():
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     out = tmp_path_factory.mktemp("recorded")
-    with running(scenario(), out) as run:
+    with together(scenario(), out) as run:
         run.play()
         assert run.end() == []
     return out
@@ -93,7 +94,7 @@ def test_another_answer_of_robot_b_is_noticed_where_a_heard_it(run):
 
 def test_a_cancelled_transition_is_replayed(tmp_path):
     cancelled = []
-    with running(short_scenario(), tmp_path) as live:
+    with together(short_scenario(), tmp_path) as live:
         client = live.player.create_client(Trigger, "/robot_a/cancel_transition")
 
         def watch():
@@ -199,21 +200,15 @@ def test_bad_arguments_give_one_line_and_exit_code_2(
 # ---- years later
 
 
-def test_a_bag_alone_is_analysed_and_replayed(recorded, tmp_path):
+def test_a_bag_alone_is_analysed_and_replayed(recorded, tmp_path, monkeypatch, run_command):
     """In an empty folder, with the configuration out of reach."""
     alone = tmp_path / "alone"
     alone.mkdir()
     shutil.copy(recorded / "bag" / "bag_0.mcap", alone / "found.mcap")
+    monkeypatch.chdir(alone)
+    monkeypatch.setenv("LEXSTACK_ROOT", str(tmp_path / "nothing"))
     for module in ("lexstack_bag.commands.analyze", "lexstack_bringup.commands.replay"):
-        done = subprocess.run(
-            [sys.executable, "-m", module, "found.mcap"],
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=100,
-            cwd=alone,
-            env=os.environ | {"LEXSTACK_ROOT": str(tmp_path / "nothing")},
-        )
+        done = run_command(module, "found.mcap")
         assert done.returncode == 0, done.stderr
     assert "robot_b: identical" in done.stdout
     assert (alone / "metrics.json").is_file()

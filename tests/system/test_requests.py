@@ -1,11 +1,7 @@
-"""Robot A's topics and services, as a user calls them, without our player."""
-
-import time
-from pathlib import Path
+"""Robot A's topics and services, as a user calls them, without our player's events."""
 
 import numpy as np
 import pytest
-import rclpy
 from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
@@ -14,74 +10,31 @@ from std_srvs.srv import SetBool, Trigger
 
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
-from lexstack_ros.messages.qos import STREAM
-from support.processes import running, short_scenario
+from lexstack_testing.played_run import together
+from lexstack_testing.user import User
+from support.runs import short_scenario
 
-pytestmark = [pytest.mark.system, pytest.mark.realtime]
-PATIENCE = 20.0  # s
-
-
-class User:
-    """A node beside the run's own."""
-
-    def __init__(self, run):
-        self.run = run
-        self.node = rclpy.create_node("user")
-        run.executor.add_node(self.node)
-        self.statuses, self.states, self.commands = [], [], []
-        for kind, topic, heard in (
-            (TransitionStatus, "/robot_a/transition", self.statuses),
-            (PlantState, "/plant/state", self.states),
-            (Chi, "/robot_a/chi", self.commands),
-        ):
-            self.node.create_subscription(kind, topic, heard.append, STREAM)
-
-    def until(self, condition):
-        end = time.monotonic() + PATIENCE
-        while not condition():
-            self.run.supervisor.check()
-            assert time.monotonic() < end, self.statuses[-1:]
-            self.run.executor.spin_once(timeout_sec=0.05)
-
-    def call(self, kind, name, **request):
-        client = self.node.create_client(kind, name)
-        self.until(client.service_is_ready)
-        future = client.call_async(kind.Request(**request))
-        self.until(future.done)
-        return future.result()
-
-    def publisher(self, kind, topic):
-        publisher = self.node.create_publisher(kind, topic, STREAM)
-        self.until(lambda: publisher.get_subscription_count() >= 1)
-        # The other side must know the publisher too. Meanwhile what comes is taken: queues end.
-        end = time.monotonic() + 0.5
-        while time.monotonic() < end:
-            self.run.executor.spin_once(timeout_sec=0.05)
-        return publisher
-
-    def last(self):
-        return self.statuses[-1] if self.statuses else TransitionStatus()
+pytestmark = pytest.mark.system
 
 
 @pytest.fixture(scope="module")
 def user(tmp_path_factory):
-    """Return a user of a long realtime run without events."""
-    scenario = short_scenario(mode="realtime", events=(), duration=600.0)
-    with running(scenario, tmp_path_factory.mktemp("run")) as run:
+    """Return a user of a long run without events."""
+    scenario = short_scenario(events=(), duration=3000.0)
+    with together(scenario, tmp_path_factory.mktemp("run")) as run:
         user = User(run)
         assert user.call(SetBool, "/sim_bridge/pause", data=False).success
         user.until(lambda: user.statuses)
         yield user
-        user.node.destroy_node()
 
 
 def test_a_switch_by_service_is_answered_at_once_and_adopted(user):
     answer = user.call(SwitchStack, "/robot_a/switch_stack", stack="reach_base", duration=0.3)
     assert answer.accepted
     assert answer.id > 0
-    user.until(lambda: user.last().id == answer.id)
-    user.until(lambda: user.last().phase == TransitionStatus.IDLE)
-    assert user.last().to_stack == "reach_base"
+    user.until(lambda: user.status().id == answer.id)
+    user.until(lambda: user.status().phase == TransitionStatus.IDLE)
+    assert user.status().to_stack == "reach_base"
 
 
 @pytest.mark.parametrize(
@@ -103,17 +56,17 @@ def test_a_wrong_switch_is_refused_with_its_reason(user, request_, reason):
 
 
 def test_a_switch_by_topic_needs_no_own_interfaces(user):
-    before = user.last().id
+    before = user.status().id
     user.publisher(String, "/robot_a/request_stack").publish(String(data="posture"))
-    user.until(lambda: user.last().id > before and user.last().phase == TransitionStatus.IDLE)
-    assert user.last().to_stack == "posture"
+    user.until(lambda: user.status().id > before and user.status().phase == TransitionStatus.IDLE)
+    assert user.status().to_stack == "posture"
 
 
 def test_a_refused_switch_by_topic_is_told_in_the_transition(user):
-    before = user.last()
+    before = user.status()
     user.publisher(String, "/robot_a/request_stack").publish(String(data="dance"))
-    user.until(lambda: "unknown stack 'dance'" in user.last().reason)
-    assert user.last().to_stack == before.to_stack
+    user.until(lambda: "unknown stack 'dance'" in user.status().reason)
+    assert user.status().to_stack == before.to_stack
 
 
 def test_parameters_change_what_an_empty_request_stands_for(user):
@@ -132,29 +85,28 @@ def test_parameters_change_what_an_empty_request_stands_for(user):
     assert "unknown method 'jump'; known: bridge" in set_parameter("jump").reason
     assert set_parameter(0.25).successful
     assert user.call(SwitchStack, "/robot_a/switch_stack", stack="posture").accepted
-    user.until(lambda: user.last().phase == TransitionStatus.BLENDING)
-    assert user.last().duration == 0.25
-    user.until(lambda: user.last().phase == TransitionStatus.IDLE)
+    told = user.until_told(lambda status: status.phase == TransitionStatus.BLENDING)
+    assert told.duration == 0.25
+    user.until(lambda: user.status().phase == TransitionStatus.IDLE)
 
 
 def test_cancel_goes_back(user):
     refused = user.call(Trigger, "/robot_a/cancel_transition")
     assert not refused.success
     assert refused.message == "there is no transition to cancel"
-    origin = user.last().to_stack
+    origin = user.status().to_stack
     assert user.call(SwitchStack, "/robot_a/switch_stack", stack="track", duration=5.0).accepted
-    user.until(lambda: user.last().phase == TransitionStatus.BLENDING)
+    user.until_told(lambda status: status.phase == TransitionStatus.BLENDING)
     assert user.call(Trigger, "/robot_a/cancel_transition").success
     user.until(lambda: any(s.phase == TransitionStatus.ABORTED for s in user.statuses))
-    user.until(lambda: user.last().phase == TransitionStatus.IDLE)
-    assert user.last().to_stack == origin
+    user.until(lambda: user.status().phase == TransitionStatus.IDLE)
+    assert user.status().to_stack == origin
 
 
 def test_a_target_moves_the_tool(user):
     assert user.call(SwitchStack, "/robot_a/switch_stack", stack="track", duration=0.2).accepted
-    user.until(lambda: user.last().to_stack == "track" and user.last().phase == 0)
-    poses = []
-    user.node.create_subscription(PoseStamped, "/robot_a/ee_pose", poses.append, STREAM)
+    user.until(lambda: user.status().to_stack == "track" and user.status().phase == 0)
+    poses = user.hear(PoseStamped, "/robot_a/ee_pose", [])
     user.until(lambda: poses)
     goal = poses[-1]
     goal.header.stamp.sec = goal.header.stamp.nanosec = 0
@@ -163,7 +115,7 @@ def test_a_target_moves_the_tool(user):
     user.until(lambda: abs(poses[-1].pose.position.x - goal.pose.position.x) < 2e-3)
 
 
-def test_wrong_messages_do_not_move_a_robot(user):
+def test_wrong_messages_do_not_move_a_robot(user, capfd):
     """NaN, a wrong length, wrong robots and foreign ticks, on every topic that A and B hear."""
     calm = np.array(user.commands[-1].chi)
     seen = len(user.commands)
@@ -173,8 +125,7 @@ def test_wrong_messages_do_not_move_a_robot(user):
     heard = user.commands[seen:]
     assert np.abs(np.array([m.chi for m in heard]) - calm).max() < 0.05
     assert heard[-1].tick - heard[0].tick < len(heard) + 5, "none left out"
-    log = Path(user.run.out / "logs" / "hqp_controller.log").read_text(encoding="utf-8")
-    assert "refused: " in log
+    assert "refused: " in capfd.readouterr().err
 
 
 def send_wrong_messages(user):

@@ -10,9 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from lexstack_config.resolved import load_scenario
 from lexstack_interfaces.msg import TransitionStatus
-from support.processes import acceleration_ratio, chi_by_tick, read, running, short_scenario
-from support.scenario import ROOT, changed, team
+from lexstack_testing.played_run import apart, together
+from support.runs import acceleration_ratio, chi_by_tick, read, short_scenario
+from support.scenario import ROOT, SCENARIO, changed, team
 
 pytestmark = pytest.mark.system
 LIMIT = team().limits.acceleration
@@ -70,9 +72,13 @@ def test_the_demo_leaves_a_complete_run_folder(whole):
 
 
 def test_the_same_seed_gives_the_same_bits(whole, tmp_path):
+    """The one in processes, the other in one."""
     out, _ = whole
     again = tmp_path / "again"
-    assert demo("--out", again).returncode == 0
+    again.mkdir()
+    with together(load_scenario(SCENARIO), again) as run:
+        run.play()
+        assert run.end() == []
     for topic in ("/robot_a/chi", "/robot_b/chi"):
         one, other = chi_by_tick(out / "bag", topic), chi_by_tick(again / "bag", topic)
         assert len(one) > 300
@@ -94,7 +100,7 @@ def test_realtime_completes_and_counts_late_ticks(tmp_path):
             time.sleep(0.3)
             bridge.send_signal(signal.SIGCONT)
 
-    with running(short_scenario(mode="realtime"), tmp_path) as run:
+    with apart(short_scenario(mode="realtime"), tmp_path) as run:
         begun = time.monotonic()
         run.play(watch)
         assert time.monotonic() - begun >= 3.9, "paced by the clock"
@@ -120,7 +126,7 @@ def blending(run, alpha):
 
 @pytest.mark.parametrize("mode", ["lockstep", pytest.param("realtime", marks=pytest.mark.realtime)])
 def test_kill_9_of_robot_b_while_it_blends(tmp_path, mode):
-    with running(short_scenario(mode=mode), tmp_path) as run:
+    with apart(short_scenario(mode=mode), tmp_path) as run:
         victim = run.process("stack_solver")
 
         def watch():
@@ -146,7 +152,7 @@ def test_kill_9_of_robot_b_while_it_blends(tmp_path, mode):
 def test_death_of_robot_a_is_told_with_its_last_lines_and_the_plant_brakes(tmp_path):
     timeouts = changed().scenario.timeouts
     scenario = short_scenario(timeouts=type(timeouts)(command_wall=0.3))
-    with running(scenario, tmp_path) as run:
+    with apart(scenario, tmp_path) as run:
         victim = run.process("hqp_controller")
 
         def watch():
@@ -171,7 +177,7 @@ def test_death_of_robot_a_is_told_with_its_last_lines_and_the_plant_brakes(tmp_p
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
 def test_every_process_ends_cleanly_on_a_signal(tmp_path, number):
-    with running(short_scenario(), tmp_path) as run:
+    with apart(short_scenario(), tmp_path) as run:
         run.play(lambda: None)
         for child in run.supervisor.children:
             child.process.send_signal(number)
@@ -229,27 +235,3 @@ def test_a_child_that_dies_ends_the_demo_with_its_name(tmp_path):
     assert done.returncode == 1
     assert "sim_bridge ended with exit code 2" in done.stderr
     assert "multiple of" in done.stderr, "with the last lines of its log"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["nonsense"], "unknown scenario 'nonsense'; known: "),
-        (["--mode", "warp"], "invalid choice"),
-        (["--seed", "-1"], "--seed: must be in"),
-        (["--seed", "x"], "invalid int value"),
-        (["--out", "/proc/nothing/here"], "--out: "),
-    ],
-)
-def test_bad_arguments_give_one_line_and_exit_code_2(arguments, message):
-    done = demo(*arguments)
-    assert done.returncode == 2
-    assert message in done.stderr
-    assert "Traceback" not in done.stderr
-
-
-def test_a_folder_that_holds_something_is_refused(tmp_path):
-    (tmp_path / "precious").touch()
-    done = demo("--out", tmp_path)
-    assert done.returncode == 2
-    assert "is not empty" in done.stderr

@@ -13,7 +13,8 @@ from lexstack_config.resolved import load_scenario
 from lexstack_config.scenario import EventConfig
 from lexstack_experiments.loop import Loop
 from lexstack_interfaces.msg import TransitionStatus
-from support.processes import chi_by_tick, read, running
+from lexstack_testing.played_run import together
+from support.runs import chi_by_tick, read
 from support.scenario import CONFIG
 
 pytestmark = pytest.mark.system
@@ -48,7 +49,7 @@ def scenario():
 
 def test_two_solvers_give_the_very_motion_of_one(tmp_path):
     resolved = scenario()
-    with running(resolved, tmp_path) as run:
+    with together(resolved, tmp_path) as run:
         run.play()
         assert run.end() == []
     bag = tmp_path / "bag"

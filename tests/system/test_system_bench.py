@@ -8,7 +8,7 @@ import pytest
 from lexstack_experiments.benches import system
 from lexstack_experiments.commands import bench
 
-pytestmark = pytest.mark.system
+pytestmark = [pytest.mark.system, pytest.mark.alone]
 
 
 def test_the_whole_system_is_measured(tmp_path, monkeypatch):

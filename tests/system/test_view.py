@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 import urllib.error
 import urllib.request
 from threading import Event, Thread
@@ -13,35 +12,22 @@ import pytest
 from std_srvs.srv import SetBool
 
 from lexstack_bringup.live_page import start_page
-from lexstack_interfaces.msg import PlantState, TransitionStatus
-from lexstack_ros.messages.qos import STREAM
+from lexstack_interfaces.msg import TransitionStatus
+from lexstack_testing.played_run import apart, together
+from lexstack_testing.user import User
 from support.browser import Browser
-from support.processes import chi_by_tick, running, short_scenario
+from support.runs import chi_by_tick, short_scenario
 
 pytestmark = pytest.mark.system
 PATIENCE = 40.0  # s
 
 
-class Visitor:
-    """Somebody with the page open, and a node to see what follows from it."""
+class Visitor(User):
+    """Somebody with the page open, and the player's node to see what follows from it."""
 
     def __init__(self, run):
-        self.run = run
+        super().__init__(run, run.player)
         self.url = start_page(run.supervisor, run.out / "scenario.yaml")
-        self.statuses, self.states = [], []
-        node = run.player
-        self.node = node
-        node.create_subscription(
-            TransitionStatus, "/robot_a/transition", self.statuses.append, STREAM
-        )
-        node.create_subscription(PlantState, "/plant/state", self.states.append, STREAM)
-
-    def until(self, condition):
-        end = time.monotonic() + PATIENCE
-        while not condition():
-            self.run.supervisor.check()
-            assert time.monotonic() < end, self.statuses[-1:]
-            self.run.executor.spin_once(timeout_sec=0.05)
 
     def order(self, origin=None, **content):
         """Return the answer to an order, as the page sends it."""
@@ -73,17 +59,17 @@ def listener(url, stop):
 
 def test_being_watched_does_not_change_chi(tmp_path):
     bits = []
-    for name, watched in (("alone", False), ("watched", True)):
+    for name, running in (("alone", together), ("watched", apart)):
         out = tmp_path / name
         out.mkdir()
         with running(short_scenario(duration=3.0), out) as run:
-            if watched:
+            if name == "watched":
                 stop = Event()
                 url = start_page(run.supervisor, out / "scenario.yaml")
                 Thread(target=listener, args=(url, stop), daemon=True).start()
             run.play()
             assert run.end() == []
-            if watched:
+            if name == "watched":
                 stop.set()
         bits.append(chi_by_tick(out / "bag", "/robot_a/chi"))
     assert len(bits[0]) >= 300
@@ -93,11 +79,9 @@ def test_being_watched_does_not_change_chi(tmp_path):
 @pytest.fixture(scope="module")
 def visitor(tmp_path_factory):
     scenario = short_scenario(mode="lockstep", events=(), duration=3000.0)
-    with running(scenario, tmp_path_factory.mktemp("run")) as run:
+    with apart(scenario, tmp_path_factory.mktemp("run")) as run:
         visitor = Visitor(run)
-        client = run.player.create_client(SetBool, "/sim_bridge/pause")
-        visitor.until(client.service_is_ready)
-        client.call_async(SetBool.Request(data=False))
+        assert visitor.call(SetBool, "/sim_bridge/pause", data=False).success
         visitor.until(lambda: visitor.statuses)
         yield visitor
 

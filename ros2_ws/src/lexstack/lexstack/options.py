@@ -13,6 +13,7 @@ import reprlib
 import types
 import typing
 from collections.abc import Iterable
+from functools import cache
 from typing import Any, TypeVar
 
 from lexstack.errors import ConfigurationError, NotANumberError
@@ -20,6 +21,7 @@ from lexstack.errors import ConfigurationError, NotANumberError
 _T = TypeVar("_T")
 
 _LARGEST = 2**63  # integers beyond it are mistakes
+_hints = cache(typing.get_type_hints)  # a scenario has 200 entries of 30 kinds
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 _ROS_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
@@ -101,7 +103,7 @@ def build(kind: type[_T], data: object, where: str) -> _T:
     """
     if not isinstance(data, dict):
         raise ConfigurationError(f"{where}: expected a mapping of keys, got {shown(data)}")
-    hints = typing.get_type_hints(kind)
+    hints = _hints(kind)  # type: ignore[arg-type]  # classes are hashable
     fields = {field.name: field for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
     unknown = [str(key) for key in data if key not in fields]
     if unknown:

@@ -29,6 +29,7 @@ from lexstack_bag.topics import COMMAND, PLANT_STATE, REQUEST, SCENARIO, SOLUTIO
 from lexstack_interfaces.msg import Chi, PlantState
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.messages.qos import LATCHED, STREAM
+from lexstack_ros.node.calls import NoAnswerError, answer_of
 from lexstack_ros.node.readiness import is_connected
 from lexstack_ros.recorder.topics import message_class
 
@@ -245,13 +246,10 @@ class BagPlayer(Node):
 
     def _call(self, client: Any, request: Any) -> Any:
         """Return a service's answer; raises BagError when none comes in time."""
-        future = client.call_async(request)
-        end = time.monotonic() + self._patience
-        while not future.done():
-            self._executor.spin_once(timeout_sec=0.05)
-            if time.monotonic() > end:
-                raise BagError(f"{client.srv_name}: no answer in {self._patience:g} s")
-        return future.result()
+        try:
+            return answer_of(self._executor, client, request, self._patience)
+        except NoAnswerError as error:
+            raise BagError(str(error)) from error
 
     def _wait_settled(self) -> None:
         """Wait until somebody listens, and nobody else has joined for a while."""

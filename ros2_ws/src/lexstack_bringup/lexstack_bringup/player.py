@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
+from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.executors import Executor
 from rclpy.node import Node
@@ -26,6 +27,7 @@ from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.node.calls import NoAnswerError, answer_of
 from lexstack_ros.node.readiness import is_connected
 
 PLAYER = "scenario_player"
@@ -40,9 +42,11 @@ class ScenarioFailedError(LexstackError):
 class Player(Node):
     """The user of a run: all it does, anybody can do by topic and service."""
 
-    def __init__(self, resolved: ResolvedScenario, executor: Executor) -> None:
-        """Prepare to play; ``executor`` runs this node alone."""
-        super().__init__(PLAYER)
+    def __init__(
+        self, resolved: ResolvedScenario, executor: Executor, context: Context | None = None
+    ) -> None:
+        """Prepare to play; ``executor``, of the same ``context``, runs this node too."""
+        super().__init__(PLAYER, context=context)
         self._scenario = resolved.scenario
         self._executor = executor
         executor.add_node(self)
@@ -151,13 +155,10 @@ class Player(Node):
 
     def _call(self, client: Any, request: Any) -> Any:
         """Return a service's answer; raises ScenarioFailedError when none comes in time."""
-        future = client.call_async(request)
-        end = time.monotonic() + _ANSWER
-        while not future.done():
-            self._executor.spin_once(timeout_sec=0.1)
-            if time.monotonic() > end:
-                raise ScenarioFailedError(f"{client.srv_name}: no answer in {_ANSWER:g} s")
-        return future.result()
+        try:
+            return answer_of(self._executor, client, request, _ANSWER)
+        except NoAnswerError as error:
+            raise ScenarioFailedError(str(error)) from error
 
     # ---- waiting
 

@@ -16,9 +16,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 
 from lexstack.hqp.problem import HqpProblem, Solution
+from lexstack.hqp.scipy_parts import nnls
 from lexstack.types import LinearTask, Matrix, Vector
 
 UNMET = 1e-6  # in the unit of a level: a smaller slack is met
@@ -208,7 +208,7 @@ def _forces(columns: Matrix, target: Vector, limits: tuple[Vector, Vector]) -> V
     falls, rises = np.flatnonzero(limits[0] < 0.0), np.flatnonzero(limits[1] > 0.0)
     signed = np.hstack([columns[:, rises], -columns[:, falls]])
     try:
-        parts = nnls(signed, target, maxiter=_MOST_STEPS * max(size, 1))[0]
+        parts = nnls(signed, target, _MOST_STEPS * max(size, 1))
     except RuntimeError:  # too many steps: the right signs matter more than the last digit
         return np.clip(plain, *limits)
     found = np.zeros(size)

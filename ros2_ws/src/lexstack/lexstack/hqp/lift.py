@@ -26,12 +26,12 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.linalg.lapack import dposv
 
 from lexstack.hqp.curvature import add_curvature
 from lexstack.hqp.group_level import GroupLevel
 from lexstack.hqp.hierarchy import Mask
 from lexstack.hqp.rank_revealing_qr import factorise
+from lexstack.hqp.scipy_parts import lapack
 from lexstack.hqp.valley import Model, logarithm, singular, symmetric
 from lexstack.robots import Kinematics
 from lexstack.types import Matrix, Vector
@@ -148,7 +148,7 @@ def _multipliers(rows: list[Matrix], gradient: Vector) -> Vector:
     matrix = np.concatenate(rows)
     gram = matrix.dot(matrix.T)
     gram.reshape(-1)[:: len(gram) + 1] += _REGULAR
-    _, found, failed = dposv(gram, matrix.dot(gradient))
+    _, found, failed = lapack.dposv(gram, matrix.dot(gradient))
     if failed:
         raise np.linalg.LinAlgError("the multipliers of the levels above are not to be had")
     result: Vector = found

@@ -9,9 +9,11 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from scipy.linalg.lapack import dgeqp3, dorgqr, dtrtrs
 
+from lexstack.hqp.scipy_parts import lapack
 from lexstack.types import Matrix, Vector
+
+dgeqp3, dorgqr, dtrtrs = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs
 
 _WORK = 4096  # doubles of LAPACK workspace: enough for its blocked code at 60 columns
 

@@ -22,12 +22,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf, dpotrs, dsyev
 
 from lexstack.hqp.curvature import add_curvature
 from lexstack.hqp.lift import FARTHEST, SINGULAR, TOLD, GroupLevel
+from lexstack.hqp.scipy_parts import lapack
 from lexstack.robots import Kinematics
 from lexstack.types import Matrix, Vector
+
+dpotrf, dpotrs, dsyev = lapack.dpotrf, lapack.dpotrs, lapack.dsyev
 
 MET = 1e-8  # m or rad: a smaller error asks for nothing that could get out of hand
 _STIFF = 1e4  # mu

@@ -24,9 +24,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.lapack import dgesdd, dsyevd
 
 from lexstack.hqp.group_level import GroupLevel
+from lexstack.hqp.scipy_parts import lapack
 from lexstack.types import Matrix, Vector
 
 _RANK = 1e-8  # of the largest singular value: below it a level does not see a direction
@@ -123,7 +123,7 @@ def singular(matrix: Matrix) -> tuple[Matrix, Vector, Matrix]:
     """
     if not matrix.size:
         return np.linalg.svd(matrix)
-    u, values, vt, failed = dgesdd(matrix)
+    u, values, vt, failed = lapack.dgesdd(matrix)
     if failed or not math.isfinite(float(values.sum())):
         raise np.linalg.LinAlgError("a level is not finite, or has no singular values")
     return u, values, vt
@@ -135,7 +135,7 @@ def symmetric(matrix: Matrix) -> tuple[Vector, Matrix]:
     Raises:
         numpy.linalg.LinAlgError: there are none.
     """
-    values, vectors, failed = dsyevd(matrix)
+    values, vectors, failed = lapack.dsyevd(matrix)
     if failed:
         raise np.linalg.LinAlgError("the second derivative of a level has no eigenvalues")
     return values, vectors

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import daqp
 import numpy as np
-from scipy.linalg import blas, lapack
 
+from lexstack.hqp.scipy_parts import blas, lapack
 from lexstack.types import Matrix, Vector
 
 _FAR = 1e30  # DAQP's infinity

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import lexstack.mpc
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
 
@@ -51,12 +50,12 @@ class StageModel:
 
     def __init__(self, robot: RobotModel, stages: int, spheres: tuple[int, ...] = ()) -> None:
         """Generate the code; raises ModelError where the robot does not allow it."""
+        from lexstack.mpc.symbolic import stage_function  # noqa: PLC0415 - CasADi, 0.1 s
+
         self.stages = stages
         self.n = robot.n
         self.spheres = spheres
-        # By way of the package, which loads CasADi when it is asked: who only names a task of a
-        # sequence, as the messages of plans do, has no need of it.
-        function = lexstack.mpc.stage_function(robot, spheres).map(stages)
+        function = stage_function(robot, spheres).map(stages)
         chosen = [robot.config.spheres[place] for place in spheres]
         self.radii: Vector = np.array([config.radius for config in chosen])
         self.lifted = np.array([config.link != "base" for config in chosen], dtype=bool)

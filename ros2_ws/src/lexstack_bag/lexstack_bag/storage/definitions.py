@@ -8,8 +8,6 @@ import sys
 from functools import cache
 from pathlib import Path
 
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
 from lexstack_bag.errors import BagError
 
 _SEPARATOR = "=" * 80
@@ -50,6 +48,13 @@ def type_hash(type_name: str) -> str:
 
     Two types of one name have the same hash where their fields are the same.
     """
+    # 0.05 s that a recorder, which hashes nothing, does not spend before it is ready.
+    from rosbags.typesys import (  # noqa: PLC0415
+        Stores,
+        get_types_from_msg,
+        get_typestore,
+    )
+
     store = get_typestore(Stores.EMPTY)
     store.register(get_types_from_msg(message_definition(type_name), type_name))
     return str(store.hash_rihs01(type_name))

@@ -27,6 +27,7 @@ from lexstack_ros.intake.drain import waiting
 from lexstack_ros.messages.conversions import check_robots, to_vector
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.diagnostics import Diagnostics, Health, first
+from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter
 from lexstack_ros.node.readiness import Readiness
 from lexstack_ros.node.sole_sender import SoleSender
@@ -45,9 +46,9 @@ Answer = TypeVar("Answer", ApplyWrench.Response, SetBool.Response, Trigger.Respo
 class SimBridge(Node):
     """Topics and services around a Cycle, which one timer wakes at its deadline."""
 
-    def __init__(self) -> None:
+    def __init__(self, options: NodeOptions = FROM_COMMAND_LINE) -> None:
         """Build the plant of the scenario; raises LexstackError for a wrong parameter."""
-        super().__init__("sim_bridge")
+        super().__init__(**options.arguments("sim_bridge"))
         resolved = scenario_parameter(self)
         scenario = resolved.scenario
         self._options = BridgeOptions.declare(self)

@@ -22,6 +22,7 @@ from lexstack_ros.messages.plans import PLAN, to_plan
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.absence import Journal
 from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, all_of
+from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter, tell_scenario
 from lexstack_ros.node.peer_watch import Watch
 from lexstack_ros.node.sole_sender import AlreadyCommandedError, sender_name
@@ -34,9 +35,9 @@ _LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
 class HqpControllerNode(Node):
     """Topics and services around the core's Controller; no mathematics here."""
 
-    def __init__(self) -> None:
+    def __init__(self, options: NodeOptions = FROM_COMMAND_LINE) -> None:
         """Build the controller of the scenario; raises LexstackError for a wrong parameter."""
-        super().__init__("hqp_controller")
+        super().__init__(**options.arguments("hqp_controller"))
         self._resolved = scenario_parameter(self)
         self._parts = Parts.of(self._resolved)
         self._controller = build_controller(self._resolved, self._parts)

@@ -9,13 +9,12 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
 
-from lexstack.control import Command
 from lexstack.errors import InputError
 from lexstack.options import shown
 from lexstack.references import Target
@@ -23,6 +22,9 @@ from lexstack.robots import Pose, Team, from_quaternion
 from lexstack.transition import Announcement, SourceSample, TransitionState
 from lexstack.types import RobotState, Vector
 from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
+
+if TYPE_CHECKING:  # a bridge and a recorder need messages, and no controller
+    from lexstack.control import Command
 
 WORLD = "world"
 Stamped = TypeVar("Stamped", bound=Any)

@@ -29,6 +29,7 @@ from lexstack_ros.messages.plans import (
 )
 from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, first
+from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter
 from lexstack_ros.node.spin import beside, run_node
 from lexstack_ros.planner.follow_client import Following
@@ -42,9 +43,9 @@ _THROTTLE = 0.05  # s: a flood of goals is no flood of lines
 class HtmpcNode(Node):
     """Action, topics and service around the core's SequenceRunner; no mathematics here."""
 
-    def __init__(self) -> None:
+    def __init__(self, options: NodeOptions = FROM_COMMAND_LINE) -> None:
         """Build optimisers for the robots that sequences name, or for all; raises LexstackError."""
-        super().__init__("htmpc")
+        super().__init__(**options.arguments("htmpc"))
         self._resolved = scenario_parameter(self)
         scenario = self._resolved.scenario
         self._team = build_team(self._resolved)

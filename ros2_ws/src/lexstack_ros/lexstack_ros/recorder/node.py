@@ -15,6 +15,7 @@ from lexstack_bag.run.provenance import run_facts
 from lexstack_bag.storage.writer import BagWriter
 from lexstack_bag.topics import NEEDED, contract_topics
 from lexstack_ros.node.diagnostics import Diagnostics, Health, first
+from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter
 from lexstack_ros.node.readiness import Readiness
 from lexstack_ros.node.spin import beside, run_node
@@ -34,9 +35,9 @@ _FLUSH_PERIOD = 1.0  # s
 class Recorder(Node):
     """Writes all topics to a bag until it is closed, and counts what it missed."""
 
-    def __init__(self) -> None:
+    def __init__(self, options: NodeOptions = FROM_COMMAND_LINE) -> None:
         """Create the bag and subscribe; raises LexstackError for a wrong parameter."""
-        super().__init__("recorder")
+        super().__init__(**options.arguments("recorder"))
         options = RecordingOptions.of(self)
         resolved = scenario_parameter(self)
         self.niceness = beside(resolved.scenario.mode)

@@ -21,6 +21,7 @@ from lexstack_ros.intake.plant_states import PlantStates
 from lexstack_ros.messages.conversions import WORLD, to_announcement, to_array, to_seconds, to_time
 from lexstack_ros.messages.qos import LATCHED, LATEST, STREAM
 from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, first
+from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import count_parameter, scenario_parameter
 from lexstack_ros.node.sole_sender import sender_name
 from lexstack_ros.node.spin import run_node
@@ -29,9 +30,9 @@ from lexstack_ros.node.spin import run_node
 class StackSolverNode(Node):
     """Topics around the core's StackSolver; no mathematics here."""
 
-    def __init__(self) -> None:
+    def __init__(self, options: NodeOptions = FROM_COMMAND_LINE) -> None:
         """Build the solver of the scenario; raises LexstackError for a wrong parameter."""
-        super().__init__("stack_solver")
+        super().__init__(**options.arguments("stack_solver"))
         self._resolved = scenario_parameter(self)
         self._parts = Parts.of(self._resolved)
         self._solver = build_stack_solver(self._resolved, self._parts)

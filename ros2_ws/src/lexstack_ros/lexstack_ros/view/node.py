@@ -22,6 +22,7 @@ from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.controller.references import HeardReferences
 from lexstack_ros.messages.conversions import to_seconds, to_vector
 from lexstack_ros.messages.names import PAGE, URL
+from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter
 from lexstack_ros.node.readiness import READY
 from lexstack_ros.node.spin import LAST, run_node
@@ -38,9 +39,9 @@ _PERIOD = 0.05  # s of wall time between two news
 class ViewNode(Node):
     """A user of the run with a page."""
 
-    def __init__(self) -> None:
+    def __init__(self, options: NodeOptions = FROM_COMMAND_LINE) -> None:
         """Serve the page; raises LexstackError for a wrong parameter."""
-        super().__init__(PAGE)
+        super().__init__(**options.arguments(PAGE))
         self.niceness = LAST
         self._resolved = scenario_parameter(self)
         self._team = team = build_team(self._resolved)

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.action import ActionClient
+from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
-from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import SetBool
 
 from lexstack.errors import LexstackError
 from lexstack.mpc import SequenceTask
-from lexstack_bringup.domain import own_domain
 from lexstack_bringup.processes import MODULES, RECORDER, arguments_of, bring_up, nodes_of
 from lexstack_bringup.supervisor import Child, Supervisor
 from lexstack_config.resolved import ResolvedScenario
@@ -29,12 +27,13 @@ from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.messages.names import base_of
 from lexstack_ros.messages.plans import task_message
 from lexstack_ros.messages.qos import SERVICE, STREAM
+from lexstack_ros.node.calls import NoAnswerError, answer_of, wait_until
 from lexstack_ros.node.readiness import READY
+from lexstack_testing.ros_session import ros_session
 
 USER = "rig"
 _PATIENCE = 40.0  # s of wall time
 _PARTNERS = ("sim_bridge", "hqp_controller", "stack_solver")
-_DOMAIN = "ROS_DOMAIN_ID"
 _ANSWER = 2.0  # s of wall time, after which a service is called again
 
 
@@ -56,7 +55,9 @@ class Rig:
             recorder may find a robot A that starts anew later than its users do.
     """
 
-    def __init__(self, resolved: ResolvedScenario, out: Path, supervisor: Supervisor) -> None:
+    def __init__(
+        self, resolved: ResolvedScenario, out: Path, supervisor: Supervisor, context: Context
+    ) -> None:
         """Bring everything up and release the plant."""
         self.scenario = resolved.scenario
         self.nodes = nodes_of(resolved.scenario)
@@ -70,8 +71,8 @@ class Rig:
         self._out = out
         self._path = out / "scenario.yaml"
         self._path.write_text(resolved.to_yaml(), encoding="utf-8")
-        self.executor = EventsExecutor()
-        self.node = rclpy.create_node(USER)
+        self.executor = EventsExecutor(context=context)
+        self.node = rclpy.create_node(USER, context=context)
         self.executor.add_node(self.node)
         self._switch = self.node.create_client(
             SwitchStack, "/robot_a/switch_stack", qos_profile=SERVICE
@@ -167,10 +168,8 @@ class Rig:
         end = time.monotonic() + _PATIENCE
         while time.monotonic() < end:
             self.wait(client.service_is_ready, _ANSWER)
-            future = client.call_async(request)
-            if self.wait(future.done, _ANSWER):
-                return future.result()
-            client.remove_pending_request(future)
+            with suppress(NoAnswerError):
+                return answer_of(self.executor, client, request, _ANSWER)
         raise RigError(f"{client.srv_name}: no answer in {_PATIENCE:g} s")
 
     def ask_until(
@@ -227,12 +226,7 @@ class Rig:
 
     def wait(self, condition: Callable[[], bool], seconds: float) -> bool:
         """Return whether the condition came true in time."""
-        end = time.monotonic() + seconds
-        while not condition():
-            if time.monotonic() > end:
-                return False
-            self.executor.spin_once(timeout_sec=0.02)
-        return True
+        return wait_until(self.executor, condition, seconds)
 
     def until(self, condition: Callable[[], bool], what: str) -> None:
         """Wait for a condition; raises RigError."""
@@ -265,21 +259,13 @@ class Rig:
 @contextmanager
 def running(resolved: ResolvedScenario, out: Path) -> Iterator[Rig]:
     """Yield a rig whose processes are up, on a domain of its own; leave none behind."""
-    before = os.environ.get(_DOMAIN)
-    with own_domain() as domain:
-        os.environ[_DOMAIN] = str(domain)
+    with ros_session(children=True) as context:
         supervisor = Supervisor(out / "logs")
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         rig = None
         try:
-            rig = Rig(resolved, out, supervisor)
+            rig = Rig(resolved, out, supervisor, context)
             yield rig
         finally:
             supervisor.end()
             if rig is not None:
                 rig.close()
-            rclpy.try_shutdown()
-            if before is None:
-                del os.environ[_DOMAIN]
-            else:
-                os.environ[_DOMAIN] = before

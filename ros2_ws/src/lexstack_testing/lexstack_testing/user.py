@@ -1,0 +1,110 @@
+"""Somebody who uses a run: one node that hears what is told, calls services and publishes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import Executor
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+
+from lexstack.errors import LexstackError
+from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
+from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.node.calls import answer_of, wait_until
+
+PATIENCE = 30.0  # s of wall time for anything
+_SETTLED = 0.5  # s for the other side to know a publisher, too
+
+
+class InVainError(LexstackError):
+    """What was waited for did not come."""
+
+
+class Used(Protocol):
+    """A run, as far as its user needs it."""
+
+    context: Context
+    executor: Executor
+
+    def check(self) -> None:
+        """Raise LexstackError where a node has ended."""
+
+
+class User:
+    """A node beside a run's own.
+
+    Attributes:
+        run: that is used.
+        node: the user's.
+        states: of the plant; commands: of robot A; statuses: of transitions; all that were heard.
+    """
+
+    def __init__(self, run: Used, node: Node | None = None) -> None:
+        """Use a run by a node that its executor has already, or by a new one."""
+        self.run = run
+        self.node = node or rclpy.create_node("user", context=run.context)
+        if node is None:
+            run.executor.add_node(self.node)
+        self.states: list[PlantState] = []
+        self.commands: list[Chi] = []
+        self.statuses: list[TransitionStatus] = []
+        for kind, topic, heard in (
+            (PlantState, "/plant/state", self.states),
+            (Chi, "/robot_a/chi", self.commands),
+            (TransitionStatus, "/robot_a/transition", self.statuses),
+        ):
+            self.hear(kind, topic, heard)
+
+    def hear(self, kind: type, topic: str, heard: list[Any], qos: Any = STREAM) -> list[Any]:
+        """Append what comes of a topic to a list; return the list."""
+        self.node.create_subscription(kind, topic, heard.append, qos)
+        return heard
+
+    def until(self, condition: Callable[[], Any], what: str = "a condition") -> None:
+        """Wait for a condition; raises InVainError, and what ends the run."""
+        if not wait_until(self.run.executor, condition, PATIENCE, self.run.check):
+            last = f"; the last transition: {self.statuses[-1]}" if self.statuses else ""
+            raise InVainError(f"waited in vain for {what}{last}")
+
+    def spin(self, seconds: float) -> None:
+        """Let time pass [s of the wall's], and take what comes: queues end."""
+        wait_until(self.run.executor, lambda: False, seconds, self.run.check)
+
+    def call(self, kind: Any, name: str, **request: Any) -> Any:
+        """Return a service's answer; raises InVainError or NoAnswerError where none comes."""
+        client = self.node.create_client(kind, name)
+        self.until(client.service_is_ready, name)
+        answer = answer_of(
+            self.run.executor, client, kind.Request(**request), PATIENCE, self.run.check
+        )
+        self.node.destroy_client(client)
+        return answer
+
+    def publisher(self, kind: type, topic: str, qos: Any = STREAM, listeners: int = 1) -> Publisher:
+        """Return a publisher that is known to its listeners, as they are to it."""
+        publisher = self.node.create_publisher(kind, topic, qos)
+        self.until(lambda: publisher.get_subscription_count() >= listeners, f"{topic} to be heard")
+        self.spin(_SETTLED)
+        return publisher
+
+    def status(self) -> TransitionStatus:
+        """Return the last status of a transition that was heard, or an empty one."""
+        return self.statuses[-1] if self.statuses else TransitionStatus()
+
+    def until_told(
+        self, condition: Callable[[TransitionStatus], bool], what: str = "a transition"
+    ) -> TransitionStatus:
+        """Return the first status from now on for which a condition holds, and wait for it."""
+        begun = max(0, len(self.statuses) - 1)
+
+        def found() -> TransitionStatus | None:
+            return next((status for status in self.statuses[begun:] if condition(status)), None)
+
+        self.until(found, what)
+        status = found()
+        assert status is not None
+        return status

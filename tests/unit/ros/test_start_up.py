@@ -1,0 +1,55 @@
+"""A node that starts loads what it needs for its first tick, and nothing besides."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from lexstack_bringup.processes import MODULES, RECORDER
+from lexstack_config.resolved import load_scenario
+from support.scenario import CONFIG
+
+SCENARIO = CONFIG / "scenarios" / "deliver-both.yaml"  # it needs every node
+
+SLOW = ("scipy.linalg", "scipy.optimize", "scipy.special", "glfw", "rosbags", "matplotlib")
+NOT_TO_BE_LOADED = {
+    **dict.fromkeys(MODULES, (*SLOW, "casadi")),
+    "htmpc": (*SLOW, "lexstack_sim"),  # casadi generates its kinematics
+    RECORDER: (*SLOW, "casadi", "pinocchio", "lexstack_bag.run.reader"),
+}
+LOADED = {"sim_bridge": "mujoco", "hqp_controller": "pinocchio", "stack_solver": "daqp"}
+MAKE = """
+import importlib, inspect, json, sys
+import rclpy
+from rclpy.node import Node
+rclpy.init(args=sys.argv[1:])
+module = importlib.import_module(sys.argv[1])
+(kind,) = (
+    value
+    for _, value in inspect.getmembers(module, inspect.isclass)
+    if issubclass(value, Node) and value.__module__ == module.__name__
+)
+kind()
+print(json.dumps([name for name in sys.modules]))
+"""
+
+
+@pytest.mark.parametrize("node", MODULES)
+def test_a_node_is_made_without_modules_that_are_slow_to_load(tmp_path, node):
+    path = tmp_path / "scenario.yaml"
+    path.write_text(load_scenario(SCENARIO).to_yaml(), encoding="utf-8")
+    given = ["-p", f"scenario:={path}"]
+    if node == RECORDER:
+        given += ["-p", f"output:={tmp_path / 'bag'}"]
+    done = subprocess.run(
+        [sys.executable, "-c", MAKE, MODULES[node], "--ros-args", *given],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=True,
+    )
+    loaded = set(json.loads(done.stdout.splitlines()[-1]))
+    assert [name for name in NOT_TO_BE_LOADED[node] if name in loaded] == []
+    assert MODULES[node] in loaded
+    assert LOADED.get(node, "rclpy") in loaded
