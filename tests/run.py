@@ -27,10 +27,13 @@ CHECKS = {
 
 PARTS = [
     ["tests", "--ignore=tests/system", "--numprocesses=auto", "--dist=worksteal"],
-    ["tests/system", "-m", "not realtime and not alone", "--numprocesses=2", "--dist=loadgroup"],
+    ["tests/system", "-m", "not realtime and not alone", "--numprocesses=2", "--dist=loadfile"],
     ["tests/system", "-m", "realtime or alone"],
 ]
-"""The parts of the tests, one after another."""
+"""The parts of the tests, one after another. Tests of a file may share a run: one worker has all.
+
+xdist's groups would be finer, but this pytest does not let it rename tests, and so it sees none.
+"""
 
 
 def run_check(name: str, command: list[str]) -> bool:

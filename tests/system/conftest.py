@@ -15,21 +15,9 @@ def pytest_configure() -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Let tests in real time be tried again where others had the machine (``support.quiet``).
-
-    Tests of a module that share a run stay together.
-    """
+    """Let tests in real time be tried again where others had the machine (``support.quiet``)."""
     for item in items:
-        if not isinstance(item, pytest.Function):
-            continue
-        if item.get_closest_marker("realtime"):
+        if isinstance(item, pytest.Function) and item.get_closest_marker("realtime"):
             item.obj = in_real_time(item.obj)
             if not item.get_closest_marker("timeout"):
                 item.add_marker(pytest.mark.timeout(TIMEOUT))
-        shared = [
-            name
-            for name, found in item._fixtureinfo.name2fixturedefs.items()
-            if found[-1].scope == "module"
-        ]
-        if shared:
-            item.add_marker(pytest.mark.xdist_group(f"{item.module.__name__} {sorted(shared)[0]}"))
