@@ -18,7 +18,7 @@ TESTS = ROOT / "tests"
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 OWN = {"lexstack", "lexstack_config"}
 SAID = {  # lines of every example
-    "hqp": [r"chi: \[ *1\.2 +-0\.2 +0\. *\]", r"level 1: x row 0 misses by -0\.8, held by .*"],
+    "hqp": [r"chi: \[ *1\.2 +-0\.2 +0\. *\]", r"level 2: x row 1 misses by -0\.8, held by .*"],
     "mpc": [r"0 s: lift before park, 0\.447 m to go", r"done after [1-3]\.\d s"],
     "own_task": [r"the tool is at a height of 1\.200 m"],
     "transition": [

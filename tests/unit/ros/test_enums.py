@@ -2,7 +2,7 @@
 
 import pytest
 
-from lexstack.transition.messages import Phase
+from lexstack.transition import Phase
 from lexstack.types import PlantStatus
 from lexstack_bag.run.run import SolveStatus
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus

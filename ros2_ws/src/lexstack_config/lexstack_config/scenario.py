@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+import lexstack.robots
 from lexstack.errors import ConfigurationError
 from lexstack.mpc import SequenceConfig
 from lexstack.options import at_most, finite, names, not_negative, positive, shown
-from lexstack.robots import ObstacleConfig, Pose, Vector3, from_quaternion
+from lexstack.robots import ObstacleConfig, Vector3
 from lexstack.transition import TransitionConfig
 from lexstack_config.plant import PlantConfig
 from lexstack_config.stream import StreamConfig
+
+if TYPE_CHECKING:
+    from lexstack.robots import Pose
 
 Quaternion = tuple[float, float, float, float]
 Mode = Literal["lockstep", "realtime"]
@@ -215,7 +219,8 @@ class ScenarioConfig:
 
 def pose_from_config(config: PoseConfig) -> Pose:
     """Return a configured pose as a value."""
-    return Pose(
+    # By way of the package, which loads pinocchio now: a recorder has no need of it.
+    return lexstack.robots.Pose(
         np.array(config.position, dtype=np.float64),
-        from_quaternion(np.array(config.orientation, dtype=np.float64)),
+        lexstack.robots.from_quaternion(np.array(config.orientation, dtype=np.float64)),
     )

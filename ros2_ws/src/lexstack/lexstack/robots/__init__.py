@@ -1,23 +1,44 @@
 """Robot models: one pinocchio model per robot is the single source of kinematics and inertia."""
 
-from lexstack.robots.assembly import BASE_JOINTS, build_base, description_path
-from lexstack.robots.collision_geometry import Spheres
-from lexstack.robots.from_urdf import mobile_manipulator
-from lexstack.robots.kinematics import Kinematics, Pose
-from lexstack.robots.obstacles import Obstacles
-from lexstack.robots.options import (
-    ArmConfig,
-    BaseConfig,
-    FrameConfig,
-    ObstacleConfig,
-    RobotConfig,
-    SphereConfig,
-    Vector3,
-    WheelsConfig,
-)
-from lexstack.robots.robot import ARM, BASE, RobotModel
-from lexstack.robots.spatial import from_quaternion, from_rpy, log3, to_quaternion, wrap
-from lexstack.robots.team import Team
+from typing import TYPE_CHECKING
+
+from lexstack import on_demand
+
+if TYPE_CHECKING:
+    from lexstack.robots.assembly import BASE_JOINTS, build_base, description_path
+    from lexstack.robots.collision_geometry import Spheres
+    from lexstack.robots.from_urdf import mobile_manipulator
+    from lexstack.robots.kinematics import Kinematics, Pose
+    from lexstack.robots.obstacles import Obstacles
+    from lexstack.robots.options import (
+        ArmConfig,
+        BaseConfig,
+        FrameConfig,
+        ObstacleConfig,
+        RobotConfig,
+        SphereConfig,
+        Vector3,
+        WheelsConfig,
+    )
+    from lexstack.robots.robot import ARM, BASE, RobotModel
+    from lexstack.robots.spatial import from_quaternion, from_rpy, log3, to_quaternion, wrap
+    from lexstack.robots.team import Team
+else:
+    __getattr__ = on_demand(
+        __name__,
+        {
+            "assembly": "BASE_JOINTS build_base description_path",
+            "collision_geometry": "Spheres",
+            "from_urdf": "mobile_manipulator",
+            "kinematics": "Kinematics Pose",
+            "obstacles": "Obstacles",
+            "options": "ArmConfig BaseConfig FrameConfig ObstacleConfig "
+            "RobotConfig SphereConfig Vector3 WheelsConfig",
+            "robot": "ARM BASE RobotModel",
+            "spatial": "from_quaternion from_rpy log3 to_quaternion wrap",
+            "team": "Team",
+        },
+    )
 
 __all__ = [
     "ARM",
