@@ -85,7 +85,7 @@ def closed_loop(run):
     q[ARMS] = np.clip(q[ARMS], own.position_lower[ARMS] + inside, own.position_upper[ARMS] - inside)
     plant.put(q, rng.uniform(-0.1, 0.1, team().n))
     loop = Loop(scenario, plant, build_controller(scenario, parts, box=law))
-    loop.b_answers = lambda tick: tick < run["lost_from"]
+    loop.solver_answers = lambda tick: tick < run["lost_from"]
     for tick, stack in run["switches"]:
         loop.controller.transition.ask(stack, 0.0, "", tick)
     return loop, law

@@ -211,8 +211,10 @@ def test_in_lockstep_a_waits_for_all_that_it_follows():
     state = run.plant.state()
     for announcement in transition.take_announcements():
         run.schedule.hear(announcement)
-    references = run.references_b.at(state.stamp)
-    sent = [run.ask_b(wanted, state, references) for wanted in run.schedule.current(state.tick)]
+    references = run.solver_references.at(state.stamp)
+    sent = [
+        run.ask_solver(wanted, state, references) for wanted in run.schedule.current(state.tick)
+    ]
     assert [sample.transition_id for sample in sent] == [1, 2]
     for sample in sent:
         assert transition.awaits(state.tick)

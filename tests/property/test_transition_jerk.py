@@ -70,7 +70,7 @@ def closed_loop(run):
     plant = IdealPlant(scenario, team())
     plant.put(q, np.zeros(team().n))
     loop = Loop(scenario, plant)
-    loop.b_answers = lambda tick: tick < run["lost_from"]
+    loop.solver_answers = lambda tick: tick < run["lost_from"]
     for tick, stack in run["switches"]:
         loop.controller.transition.ask(stack, 0.0, "", tick)
     return loop

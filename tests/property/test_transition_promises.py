@@ -60,7 +60,7 @@ def closed_loop(run):
     plant.put(*start(np.random.default_rng(run["seed"])))
     loop = Loop(scenario, plant)
     lost_from, until = run["lost"]
-    loop.b_answers = lambda tick: tick < lost_from or tick >= until
+    loop.solver_answers = lambda tick: tick < lost_from or tick >= until
     if run["late"]:
         loop.link = Delayed(run["late"])
     for tick, stack in run["switches"]:
@@ -149,7 +149,7 @@ def test_level_1_is_as_good_as_the_oracle_makes_it(run):
         state = loop.plant.state()
         command = loop.step()
         level = loop.parts.stacks[run["initial_stack"]].levels[0]
-        rows = level.linearise(team().kinematics(state), loop.references_b.at(state.stamp))
+        rows = level.linearise(team().kinematics(state), loop.solver_references.at(state.stamp))
         matrix = np.vstack([row.matrix for row in rows])
         target = np.concatenate([row.lower for row in rows])
         box = viable_bounds(state.q_star, team().limits, loop.parts.dt, state.command)

@@ -7,12 +7,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lexstack.control import Command
 from lexstack.errors import InputError
 from lexstack.mpc import ARCHITECTURES, Change, Progress, SequenceRunner, SequenceTask, tasks_of
-from lexstack.references import References
 from lexstack.tasks import plan_stack
-from lexstack.transition import Announcement, HeardPlan, SourceSample
+from lexstack.transition import HeardPlan
 from lexstack.types import RobotState
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.scenario import SequenceChangeConfig
@@ -63,7 +61,7 @@ class PlannedLoop(Loop):
         self._jobs: list[_Job] = []
         self._changes: list[tuple[int, SequenceChangeConfig]] = []
         self.plan_link: PlanLink = lambda plan: plan
-        self.ask_b = self._ask_unless_planned
+        self.plans = self._plans_of
         for event in resolved.scenario.events:
             tick = round(event.at * scenario.rate)
             for name in event.execute:
@@ -74,13 +72,12 @@ class PlannedLoop(Loop):
         """Return what was told after each plan of a sequence of the scenario."""
         return next(job.progress for job in self._jobs if job.name == name)
 
-    def step(self) -> Command:
-        """Serve one tick: the plans that are due, then as without sequences."""
-        state = self.plant.state()
-        if state.tick % self._every == 0:
-            # As a message tells it: to the nanosecond.
-            self._plan(replace(state, stamp=round(_NS * state.stamp) / _NS))
-        return super().step()
+    def _plans_of(self, state: RobotState) -> list[HeardPlan]:
+        """Return the plans that are due before a tick."""
+        if state.tick % self._every:
+            return []
+        # As a message tells it: to the nanosecond.
+        return self._plan(replace(state, stamp=round(_NS * state.stamp) / _NS))
 
     def _execute(self, name: str, tick: int) -> None:
         """Ask robot A to follow the plans of a sequence from a tick on."""
@@ -97,19 +94,23 @@ class PlannedLoop(Loop):
                 self.parts.team, robot, parameters, scenario.transition.duration
             )
 
-    def _plan(self, state: RobotState) -> None:
+    def _plan(self, state: RobotState) -> list[HeardPlan]:
         """Plan for every robot with a sequence under way."""
         due = [change for tick, change in self._changes if tick <= state.tick]
         self._changes = [entry for entry in self._changes if entry[0] > state.tick]
         for change in due:
             robot = self.parts.team.index(change.robot)
             self._runners[robot].change(Change(change.change, change.task, change.points), state)
-        for job in self._jobs:
-            if job.begin <= state.tick and (job.end is None or state.tick <= job.end):
-                self._plan_one(job, state)
+        under_way = [
+            job
+            for job in self._jobs
+            if job.begin <= state.tick and (job.end is None or state.tick <= job.end)
+        ]
+        plans = [self._plan_one(job, state) for job in under_way]
+        return [plan for plan in plans if plan is not None]
 
-    def _plan_one(self, job: _Job, state: RobotState) -> None:
-        """Send one plan; at the sequence's end ask robot A to go back."""
+    def _plan_one(self, job: _Job, state: RobotState) -> HeardPlan | None:
+        """Return one plan as it arrives; at the sequence's end ask robot A to go back."""
         runner = self._runners[job.robot]
         if state.tick == job.begin:
             runner.begin(job.tasks, ARCHITECTURES[job.architecture], state)
@@ -118,13 +119,12 @@ class PlannedLoop(Loop):
         plan = progress.plan
         times = np.round(_NS * plan.step * np.arange(len(plan.v))) / _NS
         heard = self.plan_link(HeardPlan(job.robot, state.tick, times, plan.v))
-        if heard is not None:
-            self.controller.transition.hear_plan(heard)
         if progress.sequence.done and job.end is None:
             job.end = state.tick + _AHEAD * self._every
             self._ask(self.resolved.scenario.initial_stack, job.robot, job.end)
         if state.tick == job.end:
             runner.end()
+        return heard
 
     def _ask(self, stack: str, robot: int, tick: int) -> None:
         """Ask robot A for a stack of one robot; raises InputError where it refuses."""
@@ -132,11 +132,3 @@ class PlannedLoop(Loop):
         answer = self.controller.transition.ask(stack, duration, "", tick, [name])
         if not answer.accepted:
             raise InputError(answer.message)
-
-    def _ask_unless_planned(
-        self, wanted: Announcement, state: RobotState, references: References
-    ) -> SourceSample | None:
-        """Return robot B's answer; stacks that follow a plan are none of its business."""
-        if self.parts.stacks[wanted.stack].planned:
-            return None
-        return self._ask_b(wanted, state, references)

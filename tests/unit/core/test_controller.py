@@ -63,7 +63,7 @@ def test_after_adoption_a_alone_gives_what_b_gave():
     state = run.plant.state()
     own = run.step().chi
     kinematics = run.parts.team.kinematics(state)
-    other = run.solver_b.solve("reach_base", kinematics, run.references_b.at(state.stamp)).chi
+    other = run.solver.solve("reach_base", kinematics, run.solver_references.at(state.stamp)).chi
     np.testing.assert_allclose(own, other, atol=1e-6)
 
 
@@ -78,7 +78,7 @@ def test_at_the_end_a_may_stay_with_b():
 @pytest.mark.parametrize("on_loss", ["local", "minimum_velocity"])
 def test_loss_of_b_while_it_blends(on_loss):
     run = loop(transition=TransitionConfig(duration=0.5, on_loss=on_loss))
-    run.b_answers = lambda tick: tick < 20
+    run.solver_answers = lambda tick: tick < 20
     run.controller.transition.ask("reach_base", 0.0, "", 1)
     phases(run, 20)
     lost = run.step().transition
@@ -101,7 +101,7 @@ def test_loss_of_b_while_it_blends(on_loss):
 
 def test_b_comes_back():
     run = loop(transition=TransitionConfig(duration=0.5))
-    run.b_answers = lambda tick: tick < 20 or tick >= 30
+    run.solver_answers = lambda tick: tick < 20 or tick >= 30
     run.controller.transition.ask("reach_base", 0.0, "", 1)
     phases(run, 30)
     back = run.step().transition
@@ -111,7 +111,7 @@ def test_b_comes_back():
 
 def test_b_never_answers():
     run = loop()
-    run.b_answers = lambda _tick: False
+    run.solver_answers = lambda _tick: False
     run.controller.transition.ask("reach_base", 0.0, "", 5)
     phases(run, 5)
     first = run.step().transition
@@ -142,7 +142,7 @@ def test_in_lockstep_a_waits_for_the_tick_that_it_needs():
 def test_in_realtime_a_takes_the_newest_and_waits_for_nobody():
     run = loop(mode="realtime")
     transition = run.controller.transition
-    run.b_answers = lambda _tick: False
+    run.solver_answers = lambda _tick: False
     transition.ask("reach_base", 0.0, "", 2)
     assert not transition.awaits(2)
     assert phases(run, 5)[2:] == [Phase.PREPARING] * 3
@@ -157,7 +157,7 @@ def test_in_realtime_a_takes_the_newest_and_waits_for_nobody():
 
 def test_in_realtime_a_does_not_wait_for_ever():
     run = loop(mode="realtime")
-    run.b_answers = lambda _tick: False
+    run.solver_answers = lambda _tick: False
     run.controller.transition.ask("reach_base", 0.0, "", 2)
     patience = round(resolved().scenario.timeouts.source_patience * resolved().scenario.rate)
     seen = phases(run, patience + 3)
@@ -168,7 +168,7 @@ def test_in_realtime_a_does_not_wait_for_ever():
 
 def test_while_preparing_the_references_of_before_hold():
     run = loop(mode="realtime")
-    run.b_answers = lambda _tick: False
+    run.solver_answers = lambda _tick: False
     phases(run, 2)
     still = run.record.commands[-1].chi
     goal = run.parts.team.tools(home())[0]
@@ -237,7 +237,7 @@ def test_a_stream_of_small_steps_does_not_hold_a_transition_up():
     start = run.parts.team.tools(home())[0]
     for k in range(1, 20):
         moved = type(start)(start.position + np.array([0.002 * k, 0.0, 0.0]), start.rotation)
-        for schedule in (run.controller.references, run.references_b):
+        for schedule in (run.controller.references, run.solver_references):
             schedule.add(Target(0.05 * k, 0, ee=moved))
     assert Phase.ADOPTING in phases(run, 40)
     assert run.record.commands[-1].stack == "reach_base"
@@ -248,7 +248,7 @@ def test_after_a_late_step_b_goes_on_although_it_was_told_its_end():
     run.controller.transition.ask("reach_base", 0.0, "", 1)
     goal = run.parts.team.tools(home())[0]
     moved = type(goal)(goal.position + np.array([0.3, 0.0, 0.0]), goal.rotation)
-    for schedule in (run.controller.references, run.references_b):
+    for schedule in (run.controller.references, run.solver_references):
         schedule.add(Target(0.31, 0, ee=moved))  # the last tick of the blend
     seen = phases(run, 100)
     assert seen.count(Phase.ADOPTING) == 1
@@ -269,7 +269,7 @@ def test_a_reference_step_while_it_blends_is_bridged():
     run.controller.transition.ask("reach_base", 0.0, "", 1)
     goal = run.parts.team.tools(home())[0]
     moved = type(goal)(goal.position + np.array([0.3, 0.0, 0.0]), goal.rotation)
-    for schedule in (run.controller.references, run.references_b):
+    for schedule in (run.controller.references, run.solver_references):
         schedule.add(Target(0.2, 0, ee=moved))
     phases(run, 20)
     after = run.step()

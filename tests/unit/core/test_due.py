@@ -119,7 +119,7 @@ def test_a_method_that_solves_the_old_stack_beside_holds_the_command_too():
 def test_a_stack_that_a_cannot_solve_itself_holds_the_command_and_is_told():
     run = loop(transition=TransitionConfig(duration=0.5))
     run.controller.transition.ask("reach_base", 0.0, "", 2)
-    run.b_answers = lambda tick: tick < 30
+    run.solver_answers = lambda tick: tick < 30
     run.run(30)
     local = run.controller.transition._sources._local
     solve = local.solve

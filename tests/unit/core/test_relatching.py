@@ -31,11 +31,11 @@ def blend(mode, late=0, lag=0, *, named=False, move=(0.1, 0.0, 0.0), at=150, bas
     """
     run = loop(transition=TransitionConfig(duration=1.0), mode=mode)
     run.link = Delayed(late) if late else run.link
-    run.references_b = build_references(run.resolved, run.parts.team)
-    both = (run.controller.references, run.references_b)
+    run.solver_references = build_references(run.resolved, run.parts.team)
+    both = (run.controller.references, run.solver_references)
     if not named:
-        ask = run.ask_b
-        run.ask_b = lambda *args: dataclasses.replace(ask(*args), revision=None)
+        ask = run.ask_solver
+        run.ask_solver = lambda *args: dataclasses.replace(ask(*args), revision=None)
     run.controller.transition.ask("reach_base", 0.0, "", 100)
     tool = team().tools(home())[0]
     target = Target(0.0, 0, ee=Pose(tool.position + np.array(move), tool.rotation))
@@ -125,7 +125,7 @@ def test_a_target_while_a_takes_over_has_the_time_of_the_request():
 def test_after_three_losses_a_stays_with_its_own_to_the_end(on_loss):
     run = loop(transition=TransitionConfig(duration=1.0, on_loss=on_loss))
     run.controller.transition.ask("reach_base", 0.0, "", 2)
-    run.b_answers = lambda tick: tick < 20 or tick % 10 < 5
+    run.solver_answers = lambda tick: tick < 20 or tick % 10 < 5
     run.run(46)
     told = [command.transition for command in run.record.commands]
     lost = [k for k in range(3, 46) if told[k].source is not told[k - 1].source]
@@ -145,7 +145,7 @@ def test_losses_of_the_blend_before_do_not_count():
     run = loop(transition=TransitionConfig(duration=1.0))
     run.controller.transition.ask("reach_base", 0.0, "", 2)
     run.controller.transition.ask("posture", 0.0, "", 50)
-    run.b_answers = lambda tick: tick < 20 or tick % 10 < 5
+    run.solver_answers = lambda tick: tick < 20 or tick % 10 < 5
     run.run(51)
     assert run.record.commands[-1].transition.source is Source.ROBOT_B
 

@@ -84,8 +84,8 @@ def test_in_lockstep_a_waits_for_the_chi_with_the_references_of_the_tick():
 
 def test_in_mid_blend_a_chi_with_older_references_counts_as_lost():
     run = loop()
-    ask = run.ask_b
-    run.ask_b = lambda *args: dataclasses.replace(ask(*args), revision=1)
+    ask = run.ask_solver
+    run.ask_solver = lambda *args: dataclasses.replace(ask(*args), revision=1)
     run.controller.transition.ask("reach_base", 0.0, "", 2)
     run.run(10)
     assert run.record.commands[-1].transition.source is Source.ROBOT_B
@@ -95,7 +95,7 @@ def test_in_mid_blend_a_chi_with_older_references_counts_as_lost():
     lost = run.step().transition
     assert lost.source is Source.LOCAL
     assert lost.reason.startswith("robot B lost at tick 10, last heard tick 10 with references 1 ")
-    run.ask_b = lambda *args: dataclasses.replace(ask(*args), revision=2)
+    run.ask_solver = lambda *args: dataclasses.replace(ask(*args), revision=2)
     assert run.step().transition.source is Source.ROBOT_B
 
 
@@ -157,10 +157,10 @@ def test_a_b_that_answers_late_is_followed_in_the_order_of_its_ticks():
 def test_a_b_that_answers_with_wrong_references_is_lost_and_not_waited_for():
     """It was waited for at every tick, a second each, for as long as it had wrong ones."""
     run = loop()
-    ask = run.ask_b
+    ask = run.ask_solver
     run.controller.transition.ask("reach_base", 0.0, "", 2)
     run.run(10)
-    run.ask_b = lambda *args: dataclasses.replace(ask(*args), revision=7)
+    run.ask_solver = lambda *args: dataclasses.replace(ask(*args), revision=7)
     lost = run.step().transition
     assert lost.source is Source.LOCAL
     assert "last heard tick 10 with references 7 in place of 1: " in lost.reason

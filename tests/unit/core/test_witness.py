@@ -120,9 +120,9 @@ def test_a_late_b_is_believed(late):
 
 def test_targets_that_reach_the_two_robots_at_different_ticks_are_no_evidence():
     run = realtime(Delayed(1), duration=2.0)
-    run.references_b = build_references(run.resolved, run.parts.team)
-    ask = run.ask_b
-    run.ask_b = lambda *args: replace(ask(*args), revision=None)
+    run.solver_references = build_references(run.resolved, run.parts.team)
+    ask = run.ask_solver
+    run.ask_solver = lambda *args: replace(ask(*args), revision=None)
     tools = run.parts.team.tools(run.plant.state().q)
     rng = np.random.default_rng(3)
     coming = []
@@ -134,7 +134,7 @@ def test_targets_that_reach_the_two_robots_at_different_ticks_are_no_evidence():
             run.controller.references.add(target)
             coming.append((tick + int(rng.integers(0, 4)), target))
         for due, target in [entry for entry in coming if entry[0] <= tick]:
-            run.references_b.add(target)
+            run.solver_references.add(target)
             coming.remove((due, target))
         run.step()
     assert {state_of(run, "robot_a", tick).source for tick in range(5, 200)} == {Source.ROBOT_B}

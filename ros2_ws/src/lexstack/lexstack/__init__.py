@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from lexstack.control import (
         Command,
         Controller,
+        ExactPlant,
+        Lockstep,
         StackSolver,
         make_controller,
         make_stack_solver,
@@ -100,7 +102,8 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
-            "control": "Command Controller StackSolver make_controller make_stack_solver",
+            "control": "Command Controller ExactPlant Lockstep StackSolver "
+            "make_controller make_stack_solver",
             "errors": "ConfigurationError InputError LexstackError ModelError",
             "hqp": "SOLVERS HqpProblem HqpSolver Solution Status describe "
             "explain_unmet_levels make_solver",
@@ -130,6 +133,7 @@ __all__ = [
     "Command",
     "ConfigurationError",
     "Controller",
+    "ExactPlant",
     "HqpProblem",
     "HqpSolver",
     "Htmpc",
@@ -143,6 +147,7 @@ __all__ = [
     "LimitOptions",
     "LimitsInForce",
     "LinearTask",
+    "Lockstep",
     "Matrix",
     "ModelError",
     "Objective",

@@ -1,42 +1,22 @@
-"""Core and plant in one process: the closed loop without ROS, tick by tick."""
+"""A scenario and its plant in one process: the closed loop without ROS, tick by tick."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Protocol
 
 import numpy as np
 
-from lexstack.control import Command, Controller
-from lexstack.hqp import Solution
+from lexstack.control import Command, Controller, Lockstep
+from lexstack.control import Plant as AnyPlant
 from lexstack.references import References, Target
-from lexstack.robots import Kinematics, Team
-from lexstack.transition import Announcement, SourceSample, SourceSchedule
-from lexstack.types import RobotState, Vector
+from lexstack.robots import Team
+from lexstack.transition import Announcement, SourceSample
+from lexstack.types import RobotState
 from lexstack_config.parts import Parts, build_controller, build_stack_solver
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.scenario import EventConfig, pose_from_config
 from lexstack_sim.plant import Plant
-
-AskB = Callable[[Announcement, RobotState, References], SourceSample | None]
-"""Robot B's answer for a tick, or an earlier one, or none."""
-
-Link = Callable[[SourceSample], SourceSample | None]
-"""What robot A hears when robot B sends: the message, another one, or nothing."""
-
-
-class AnyPlant(Protocol):
-    """What the loop needs of a plant."""
-
-    def state(self) -> RobotState:
-        """Return the present state."""
-        ...
-
-    def step(self, chi: Vector | None) -> RobotState:
-        """Advance by one tick under a command and return the new state."""
-        ...
 
 
 @dataclass
@@ -51,8 +31,8 @@ class Record:
     b_times: dict[int, float] = field(default_factory=dict)  # s of wall time of B's solve, by tick
 
 
-class Loop:
-    """Robot A, robot B and the plant, as the processes run them, in lockstep."""
+class Loop(Lockstep):
+    """A scenario in lockstep: its controller, its stack solver and a plant, with a record."""
 
     def __init__(
         self,
@@ -66,24 +46,18 @@ class Loop:
         Args:
             resolved: the scenario.
             plant: default: MuJoCo's.
-            controller: robot A; default: as the nodes build it.
+            controller: default: as the nodes build it.
             parts: of the scenario, where they are there already: to make them takes long.
         """
         self.resolved = resolved
         self.parts = parts or Parts.of(resolved)
-        self.plant: AnyPlant = plant or Plant(resolved, self.parts.team, resolved.scenario.seed)
-        self.controller = controller or build_controller(resolved, self.parts)
-        # Robot B goes by robot A's decisions; another schedule shows what happens if it does not.
-        self.references_b = self.controller.references
-        self.solver_b = build_stack_solver(resolved, self.parts)
-        self.schedule = SourceSchedule()
-        self._seen_by_b: Kinematics | None = None
+        super().__init__(
+            self.parts.team,
+            controller or build_controller(resolved, self.parts),
+            build_stack_solver(resolved, self.parts),
+            plant or Plant(resolved, self.parts.team, resolved.scenario.seed),
+        )
         self.record = Record()
-        # Whether robot B answers at a tick, how it is asked, and what A hears of its answer;
-        # experiments replace them.
-        self.b_answers: Callable[[int], bool] = lambda _tick: True
-        self.ask_b: AskB = self._ask_b
-        self.link: Link = lambda sample: sample
         for event in resolved.scenario.events:
             for target in targets_of(event, self.parts.team):
                 self.add_target(target)
@@ -96,57 +70,34 @@ class Loop:
             self.step()
         return self.record
 
-    def step(self) -> Command:
-        """Serve one tick: B's chi if it is asked for, A's command, the plant's step."""
-        state = self.plant.state()
-        for announcement in self.controller.transition.take_announcements():
-            self.schedule.hear(announcement)
-        self.controller.prepare(state)
-        references = self.references_b.at(state.stamp)
-        wanted = self.schedule.current(state.tick)
-        if wanted and self.b_answers(state.tick):
-            for announcement in wanted:
-                sample = self.ask_b(announcement, state, references)
-                heard = None if sample is None else self.link(sample)
-                if heard is not None:
-                    self.controller.transition.hear(heard)
-        command = self.controller.tick(state)
+    def served(self, state: RobotState, references: References, command: Command) -> None:
+        """Keep what a tick was, and what became of it."""
         self.record.states.append(state)
         self.record.commands.append(command)
         self.record.references.append(references)
-        self.plant.step(command.chi)
-        return command
 
     def add_target(self, target: Target) -> None:
-        """Give a new reference to both controllers, as a message would."""
+        """Give a new reference to the controller, and to the solver if it does not go by it."""
         self.record.targets.append(target)
         self.controller.references.add(target)
-        if self.references_b is not self.controller.references:
-            self.references_b.add(target)
+        if self.solver_references is not self.controller.references:
+            self.solver_references.add(target)
 
-    def _ask_b(
+    def answer(
         self, wanted: Announcement, state: RobotState, references: References
-    ) -> SourceSample:
-        """Return robot B's answer for this tick, and keep it in the record."""
+    ) -> SourceSample | None:
+        """Return the solver's answer for this tick, and keep it in the record."""
         begun = perf_counter()
-        if self._seen_by_b is None or self._seen_by_b.state is not state:
-            self._seen_by_b = self.parts.team.kinematics(state)
-        solution = self.solver_b.solve(wanted.stack, self._seen_by_b, references)
+        sample = super().answer(wanted, state, references)
+        if sample is None:
+            return None
         spent = self.record.b_times.get(state.tick, 0.0)
         self.record.b_times[state.tick] = spent + perf_counter() - begun
-        chi = self.record.sources.setdefault(state.tick, np.zeros_like(solution.chi))
+        chi = self.record.sources.setdefault(state.tick, np.zeros_like(sample.chi))
         for robot in wanted.robots or range(len(self.parts.team.robots)):
             part = self.parts.team.slices[robot]
-            chi[part] = solution.chi[part]
-        return sample_of(wanted, state.tick, solution, references.revision)
-
-
-def sample_of(
-    wanted: Announcement, tick: int, solution: Solution, revision: int | None = None
-) -> SourceSample:
-    """Return a solution as robot B sends it; ``revision`` is that of its references."""
-    slack = float(solution.slacks[0])
-    return SourceSample(wanted.id, tick, solution.chi, solution.solved, slack, revision=revision)
+            chi[part] = sample.chi[part]
+        return sample
 
 
 def targets_of(event: EventConfig, team: Team) -> list[Target]:

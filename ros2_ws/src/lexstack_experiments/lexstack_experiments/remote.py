@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import multiprocessing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from time import perf_counter, process_time
 
@@ -13,7 +13,7 @@ from lexstack.transition import Announcement, SourceSample
 from lexstack.types import RobotState
 from lexstack_config.parts import Parts, build_references, build_stack_solver
 from lexstack_config.resolved import ResolvedScenario
-from lexstack_experiments.loop import sample_of, targets_of
+from lexstack_experiments.loop import targets_of
 
 _PATIENCE = 60.0  # s of wall time to wait for an answer, the start of the process included
 
@@ -109,7 +109,8 @@ def _serve(pipe: Connection, text: str) -> None:
         wanted, state = message
         begun = perf_counter()
         kinematics = parts.team.kinematics(state)
-        solution = solver.solve(wanted.stack, kinematics, references.at(state.stamp))
+        sample = solver.answer(wanted, kinematics, references.at(state.stamp))
         wall, cpu = perf_counter() - begun, process_time()
         effort, used = Effort(wall, cpu - used), cpu
-        pipe.send((sample_of(wanted, state.tick, solution), effort))
+        # Its decisions are counted apart from the controller's, so no revision is named.
+        pipe.send((replace(sample, revision=None), effort))

@@ -1,4 +1,4 @@
-"""The controller and the stack solver: one tick of each, as a library call."""
+"""The controller, the stack solver, and both with a plant: one tick as a library call."""
 
 from typing import TYPE_CHECKING
 
@@ -7,6 +7,7 @@ from lexstack import on_demand
 if TYPE_CHECKING:
     from lexstack.control.controller import Command, Controller
     from lexstack.control.factory import make_controller, make_stack_solver
+    from lexstack.control.lockstep import ExactPlant, Lockstep, Plant
     from lexstack.control.stack_solver import StackSolver, share
 else:
     __getattr__ = on_demand(
@@ -14,6 +15,7 @@ else:
         {
             "controller": "Command Controller",
             "factory": "make_controller make_stack_solver",
+            "lockstep": "ExactPlant Lockstep Plant",
             "stack_solver": "StackSolver share",
         },
     )
@@ -21,6 +23,9 @@ else:
 __all__ = [
     "Command",
     "Controller",
+    "ExactPlant",
+    "Lockstep",
+    "Plant",
     "StackSolver",
     "make_controller",
     "make_stack_solver",

@@ -92,6 +92,10 @@ class StackSolver:
             self._warm[key] = solution
         return solution
 
+    def solves(self, stack: str) -> bool:
+        """Return whether a known stack is solved: one that follows plans of the MPC is not."""
+        return not self._stacks[stack].planned
+
     def answer(
         self, wanted: Announcement, kinematics: Kinematics, references: References
     ) -> SourceSample:
@@ -101,8 +105,8 @@ class StackSolver:
             wanted.id,
             kinematics.state.tick,
             solution.chi,
-            solution.solved,
-            float(solution.slacks[0]),
+            solution.solved and bool(np.isfinite(solution.chi).all()),
+            float(solution.slacks[0]) if solution.slacks.size else None,
             revision=references.revision,
         )
 

@@ -68,7 +68,6 @@ class LiveSource:
     def __init__(self, question: Question, parts: Parts) -> None:
         """Build it."""
         self._team = parts.team
-        self._stacks = parts.stacks
         self._solver = build_stack_solver(question.resolved, parts)
         self._schedule = SourceSchedule()
 
@@ -80,17 +79,12 @@ class LiveSource:
     def answer(self, controller: Controller, state: RobotState, _now: int) -> None:
         """Solve for a state, if a stack is asked for."""
         for wanted in self._schedule.current(state.tick):
-            if self._stacks[wanted.stack].planned:
+            if not self._solver.solves(wanted.stack):
                 continue  # the HTMPC's
             kinematics = self._team.kinematics(state)
             controller.prepare(state)
             references = controller.references.at(state.stamp)
-            solution = self._solver.solve(wanted.stack, kinematics, references)
-            usable = solution.solved and bool(np.isfinite(solution.chi).all())
-            slack = float(solution.slacks[0]) if solution.slacks.size else None
-            entry = wanted.id, state.tick, solution.chi, usable, slack
-            sample = SourceSample(*entry, revision=references.revision)
-            controller.transition.hear(sample)
+            controller.transition.hear(self._solver.answer(wanted, kinematics, references))
 
 
 def _samples(chi: ChiStream, team: Team) -> Iterator[tuple[int, SourceSample]]:

@@ -101,7 +101,7 @@ def _apart(resolved: ResolvedScenario, *, behind: bool = False) -> Times:
     """Return the times of A in this process and B in another."""
     loop = _loop(resolved)
     with RemoteB(resolved, behind=behind) as remote:
-        loop.ask_b = remote.ask
+        loop.ask_solver = remote.ask
         times = _timed(loop)
     efforts = remote.efforts
     walls, cpus = (np.array([getattr(e, name) for e in efforts]) for name in ("wall", "cpu"))

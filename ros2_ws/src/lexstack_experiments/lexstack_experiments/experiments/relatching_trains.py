@@ -180,17 +180,17 @@ def run(train: Train, resolved: ResolvedScenario, parts: Parts, *, perfect: bool
     team, home = parts.team, home_of(parts.team, resolved)
     result = Loop(resolved, IdealPlant(resolved, team), parts=parts)
     result.controller.references = Schedule(train, team, home, lagged=False)  # type: ignore[assignment]
-    result.references_b = Schedule(train, team, home, lagged=not perfect)  # type: ignore[assignment]
+    result.solver_references = Schedule(train, team, home, lagged=not perfect)  # type: ignore[assignment]
     asked: dict[int, list[tuple[str, tuple[str, ...]]]] = {}
     for tick, stack, robots in train.switches:
         asked.setdefault(tick, []).append((stack, robots))
-    ask_b = result.ask_b
+    ask_solver = result.ask_solver
     coming: list[tuple[int, SourceSample]] = []
 
     def answer(
         wanted: Announcement, state: RobotState, references: References
     ) -> SourceSample | None:
-        sample = ask_b(wanted, state, references)
+        sample = ask_solver(wanted, state, references)
         if sample is None:
             return None
         revision = references.revision if train.named else None
@@ -208,7 +208,7 @@ def run(train: Train, resolved: ResolvedScenario, parts: Parts, *, perfect: bool
             result.controller.transition.hear(entry[1])
         return None
 
-    result.ask_b, result.link = answer, link
+    result.ask_solver, result.link = answer, link
     for tick in range(train.settled + 1):
         for stack, robots in asked.get(tick, ()):
             result.controller.transition.ask(stack, 0.0, "", 0, robots)
