@@ -21,6 +21,7 @@ setup(
     install_requires=[
         "lexstack",
         "lexstack-bringup",
+        "lexstack-plant",
         "lexstack-config",
         "lexstack-ros",
         "mcap>=1.2",

@@ -7,7 +7,7 @@ from lexstack import on_demand
 if TYPE_CHECKING:
     from lexstack.control.controller import Command, Controller
     from lexstack.control.factory import make_controller, make_stack_solver
-    from lexstack.control.lockstep import ExactPlant, Lockstep, Plant
+    from lexstack.control.lockstep import ExactPlant, Link, Lockstep, Plant
     from lexstack.control.stack_solver import StackSolver, share
 else:
     __getattr__ = on_demand(
@@ -15,7 +15,7 @@ else:
         {
             "controller": "Command Controller",
             "factory": "make_controller make_stack_solver",
-            "lockstep": "ExactPlant Lockstep Plant",
+            "lockstep": "ExactPlant Link Lockstep Plant",
             "stack_solver": "StackSolver share",
         },
     )
@@ -24,6 +24,7 @@ __all__ = [
     "Command",
     "Controller",
     "ExactPlant",
+    "Link",
     "Lockstep",
     "Plant",
     "StackSolver",

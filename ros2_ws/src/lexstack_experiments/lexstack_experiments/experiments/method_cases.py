@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lexstack.control import Link
 from lexstack.references import Target
 from lexstack.robots import Pose
 from lexstack.transition import quintic
@@ -16,7 +17,6 @@ from lexstack_config.parts import build_team, home_of
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.scenario import EventConfig
 from lexstack_experiments.links import Delayed, Frozen, Lost
-from lexstack_experiments.loop import Link
 from lexstack_experiments.runs import changed, scenario_of
 
 Stream = Callable[[float], list[Target]]
