@@ -59,6 +59,7 @@ class ProgramsDoneError(Exception):
     """All programs have ended."""
 
 
+@pytest.mark.alone  # the programs wait by the clock for what ticks do
 def test_beside_a_demo_the_programs_print_what_the_pages_say(tmp_path):
     found = load_scenario(CONFIG / "scenarios/by-hand.yaml")
     resolved = dataclasses.replace(
