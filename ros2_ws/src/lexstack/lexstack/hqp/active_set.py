@@ -195,20 +195,41 @@ def release(
     fixed: Mask | None,
     bands: Bands | None,
 ) -> int:
-    """Release what the highest level that feels it pulls inside; return how many there were.
+    """Release what the highest level with a force on it pulls inside; return how many there were.
 
-    The gradient of each level's objective is balanced by multipliers of the rows above it; what
-    remains of it acts on the joints that are held. Below the last step there is the distance to
-    where the chain began, which feels what is held without need. All levels are balanced in one
-    sweep: row k of ``gradient`` and of ``forces`` belongs to step k.
+    The gradient of each level's objective is balanced by multipliers of the rows above it, and what
+    remains acts on the joints that are held:
+
+        mu_k = -(A_k' (A_k chi - b_k) + sum over j above k: A_j' lambda_kj)
+
+    The last of these rows is for the distance to where the chain began, so that a joint which is
+    held without need is released even if no level is concerned. All levels are balanced in one
+    sweep from the lowest step up: row k of ``gradient`` and of ``forces`` belongs to step k.
+
+    Args:
+        hierarchy: all levels.
+        steps: of the chain, the highest first.
+        chi: the optimum for this guess, shape (n,).
+        guess: what is held; changed in place.
+        fixed: joints that cannot move, shape (n,); None: there are none.
+        bands: how the levels were divided, if they were.
     """
     count = len(steps)
+    # Of ||chi - nearest||^2 / 2: each step moved chi as little as possible, so this gradient has no
+    # component in the directions that the last step leaves.
     gradient = np.empty((count + 1, chi.size))
     gradient[count] = chi - hierarchy.nearest
     forces = None if hierarchy.exact else np.zeros((count + 1, guess.rows.size))
     sweep = []
+    # With Z_j the directions that step j leaves, and Z_(-1) those of the free joints, the invariant
+    # before step j is balanced is Z_j' g_k = 0 for every row k below it: there, the gradient of a
+    # lower level can only lie along the rows of step j and of those above. The multipliers of step
+    # j then solve Z_(j-1)' (g_k - A_j' lambda) = 0, up to the rank tolerance. That is why the sweep
+    # goes upwards: downwards, the rows of a lower step would undo what a higher one had balanced.
     for j in range(count - 1, -1, -1):
         step = steps[j]
+        # A row joins the sweep at its own step: chi is the least-squares point of step j within
+        # Z_(j-1), so Z_(j-1)' g_j = 0 holds already, as the invariant of the next pass demands.
         residual = step.rows.dot(chi) - step.target
         gradient[j] = residual.dot(step.rows)
         below = gradient[j + 1 :]
@@ -217,13 +238,19 @@ def release(
         )
         below -= multipliers.dot(step.rows)
         sweep.append(multipliers)
+        # The rows of a step are pressed by their own level with its residual (beyond the upper end:
+        # outward), and by each level below with the opposite of what they give to balance it.
         if forces is not None and step.chosen is not None:
             forces[j, step.chosen] = residual
             forces[j + 1 :, step.chosen] = -multipliers
-    # What cannot move anyway is not judged. In place, because it is not needed any more.
+    # Now Z_(-1)' g_k = 0 for all k: free joints are in balance, and what remains is on held joints.
+    # The force is the negative gradient. What cannot move anyway is not judged. In place, because
+    # the gradient is not needed any more.
     judged = guess.joints if fixed is None else np.where(fixed, np.int8(0), guess.joints)
     balance = Balance(steps, chi, sweep, bands)
     released = judge(guess.joints, judged, np.negative(gradient, out=gradient), balance)
+    # ``judge`` looks at the first force that is not zero, from the highest level down: if it pulls
+    # inside, that level improves by the release and no level above it notices.
     if forces is not None:
         released += judge(guess.rows, guess.rows, forces, balance)
     return released

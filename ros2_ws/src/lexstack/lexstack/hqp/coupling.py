@@ -1,8 +1,15 @@
-"""Which joints a problem couples, and how it falls into parts that do not know each other.
+"""Which joints a problem couples, and into which independent parts it can be divided.
 
-Two joints are coupled where a row of any level has both. What is not coupled is solved apart: the
-cost then grows with the number of robots and not with its cube. Small clusters are put together
-into parts of some size, because a solve of 20 joints costs hardly more than one of 10.
+Two joints are coupled if one task, of any level, has coefficients for both; a task whose matrix is
+a multiple of the unit matrix couples none. Clusters are the joints that are coupled directly or
+through others. With chi_c the joints of cluster c, every level is a sum over clusters,
+
+    ||A chi - b||^2 = sum_c ||A_c chi_c - b_c||^2    (and likewise with intervals),
+
+and the bounds are joint by joint: the lexicographic optimum of the whole is that of each cluster.
+So clusters are solved separately, and the cost grows with the number of robots and not with its
+cube. Small clusters are put together into parts of some size, because a solve of 20 joints costs
+hardly more than one of 10.
 """
 
 from __future__ import annotations
@@ -22,7 +29,7 @@ Place = slice | Indices
 """Rows or columns: a slice where they stand side by side."""
 
 Footprint = tuple[int, bytes]
-"""Of a task: its number of rows; the mask of the columns of each of its separable parts."""
+"""Of a task: its number of rows; the mask of the columns that it has coefficients for."""
 
 _REMEMBERED = 1000  # matrices
 _UNIT = b""  # the mask of a task whose rows are those of the unit matrix, in this order
@@ -82,6 +89,8 @@ class Structure:
         if known is not None:
             return known[1]
         found = footprint(matrix)
+        # Remembered only if nobody can write to it: neither through this array nor through one that
+        # it is a view of. The table is emptied when it is full; that costs time and nothing else.
         if matrix.base is None and not matrix.flags.writeable:
             if len(self._known) >= _REMEMBERED:
                 self._known.clear()
@@ -92,8 +101,10 @@ class Structure:
 def footprint(matrix: Matrix) -> Footprint:
     """Return what the parts of a problem depend on: the rows and the columns of a task."""
     rows, columns = matrix.shape
+    # Row i of a multiple of the unit matrix has joint i alone: each part takes its own rows of it.
     if rows == columns and unit_scale(matrix):
         return rows, _UNIT
+    # Exact zeros alone: to drop a coefficient because it is small would change the optimum.
     return rows, matrix.any(axis=0).tobytes()
 
 
@@ -109,7 +120,10 @@ def share(task: LinearTask, rows: Place | None, columns: Place) -> LinearTask:
 
 @lru_cache(maxsize=64)
 def _parts(n: int, prints: tuple[tuple[Footprint, ...], ...], size: int) -> tuple[Subproblem, ...]:
-    """Return the parts of a problem with these footprints."""
+    """Return the parts of a problem with these footprints.
+
+    Cached by the footprints: as long as the tasks and their zeros stay, so do the parts.
+    """
     masks = [_columns(mask, n) for level in prints for _, mask in level]
     groups = _packed(_clusters(n, [columns for columns in masks if columns is not None]), size)
     owner = np.empty(n, dtype=np.intp)
@@ -117,6 +131,7 @@ def _parts(n: int, prints: tuple[tuple[Footprint, ...], ...], size: int) -> tupl
         owner[group] = number
     levels: list[list[list[Share]]] = [[[] for _ in prints] for _ in groups]
     places: list[list[Indices]] = [[] for _ in groups]
+    # ``task`` counts the tasks and ``start`` the rows of all levels, in the order of the problem.
     task, start = 0, 0
     for k, level in enumerate(prints):
         for rows, _ in level:
@@ -126,6 +141,8 @@ def _parts(n: int, prints: tuple[tuple[Footprint, ...], ...], size: int) -> tupl
                     levels[number][k].append(Share(task, _place(group)))
                     places[number].append(start + group)
             else:
+                # All columns of a task are in one cluster, so the first one names the part. A task
+                # without columns asks nothing of any joint; the first part takes its rows.
                 number = int(owner[columns[0]]) if columns.size else 0
                 levels[number][k].append(Share(task, None))
                 places[number].append(start + np.arange(rows))
@@ -147,19 +164,28 @@ def _columns(mask: bytes, n: int) -> Indices | None:
 
 def _clusters(n: int, coupled: list[Indices]) -> list[Indices]:
     """Return the joints of each cluster, in the order of their first joints."""
+    # Connected components by their smallest joint. Invariant: label[j] is a joint of the cluster of
+    # j, and at most j. Each task gives all its joints the smallest of their labels. Labels only
+    # fall, so this ends; then all joints of a task have one label, hence all of a cluster.
     label = np.arange(n)
     changed = True
     while changed:
         before = label.copy()
         for columns in coupled:
             if columns.size:
+                # A label that falls here may differ from those of tasks that were passed already:
+                # hence the outer loop, until a pass changes nothing.
                 label[columns] = label[columns].min()
         changed = bool((label != before).any())
     return [np.flatnonzero(label == first) for first in np.unique(label)]
 
 
 def _packed(clusters: list[Indices], size: int) -> list[Indices]:
-    """Return neighbouring clusters together as long as they have at most ``size`` joints."""
+    """Return neighbouring clusters together as long as they have at most ``size`` joints.
+
+    A cluster is never divided: one that is larger makes a part of its own. The joints of a part are
+    sorted, because the clusters in it may interleave.
+    """
     groups: list[list[Indices]] = [[]]
     for cluster in clusters:
         if groups[-1] and sum(part.size for part in groups[-1]) + cluster.size > size:
@@ -169,7 +195,7 @@ def _packed(clusters: list[Indices], size: int) -> list[Indices]:
 
 
 def _place(indices: NDArray[np.intp]) -> Place:
-    """Return a slice where the indices stand side by side."""
+    """Return a slice where the indices are consecutive: it selects a view, and copies nothing."""
     if all(b == a + 1 for a, b in pairwise(indices.tolist())):
         first = int(indices[0]) if indices.size else 0
         return slice(first, first + indices.size)

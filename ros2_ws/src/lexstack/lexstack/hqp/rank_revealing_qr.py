@@ -41,8 +41,15 @@ class Factor(Protocol):
 def factorise(matrix: Matrix, tolerance: float, last: bool = False) -> Factor:
     """Factor ``matrix``, shape (m, r); pivots of at most ``tolerance`` count as zero.
 
+    The pivots are the diagonal of R in a QR with column pivoting (of the matrix or its transpose).
+    Each step takes the column with the largest remainder next, so they fall in size, and the
+    remainders of all columns that are left are at most as long as the next pivot. The rank p is the
+    number of pivots above the tolerance; what is dropped with the others is, in each column of the
+    matrix that was factored, at most ``tolerance`` long.
+
     The tolerance is absolute because a matrix that was reduced to a null space may hold rounding
-    errors only: the caller knows the scale of the task before the reduction.
+    errors only, and relative to its own norm these would have full rank. The caller knows the scale
+    of the task before the reduction: levels take 1e-8 of that (``RANK_TOLERANCE``).
 
     Args:
         matrix: left as it is.
@@ -52,6 +59,9 @@ def factorise(matrix: Matrix, tolerance: float, last: bool = False) -> Factor:
     rows, columns = matrix.shape
     if rows == 0 or columns == 0:
         return _Zero(rows, columns)
+    # More rows than columns: a QR of the matrix itself solves least squares if all columns are
+    # independent. The last pivot is the smallest, so it alone decides. Otherwise the directions
+    # that are missing have to be found, which needs the QR of the transpose.
     if rows > columns:
         tall = _Tall(matrix)
         if abs(tall.triangle[-1, -1]) > tolerance:  # pivots fall in size
@@ -61,6 +71,8 @@ def factorise(matrix: Matrix, tolerance: float, last: bool = False) -> Factor:
 
 def factorise_full(matrix: Matrix, tolerance: float, last: bool = False) -> Factor | None:
     """Factor a matrix of full row rank, shape (m, r) with 0 < m <= r; return None for any other."""
+    # Levels that are met together need every row; a missing rank sends the caller to factor them
+    # one by one. So the last pivot alone is looked at, and Q is not formed in vain.
     rows = len(matrix)
     packed, pivots, tau, _, _ = dgeqp3(matrix.T, lwork=_WORK)
     if abs(packed[rows - 1, rows - 1]) <= tolerance:
@@ -69,10 +81,14 @@ def factorise_full(matrix: Matrix, tolerance: float, last: bool = False) -> Fact
 
 
 def _wide(matrix: Matrix, tolerance: float, last: bool) -> Factor:
-    """Factor by QR of the transpose; complete it to an orthogonal one where rank is missing."""
+    """Factor by QR of the transpose, ``M.T P = Q R``; factor once more where rank is missing.
+
+    The first p columns of Q span the row space of M, its other columns the null space.
+    """
     rows, columns = matrix.shape
     packed, pivots, tau, _, _ = dgeqp3(matrix.T, lwork=_WORK)
     size = min(rows, columns)
+    # Counting is for the rare case: pivots fall in size, so if the last one is large, all are.
     rank = size
     if abs(packed[size - 1, size - 1]) <= tolerance:
         rank = int(np.count_nonzero(np.abs(packed.diagonal()) > tolerance))
@@ -82,6 +98,8 @@ def _wide(matrix: Matrix, tolerance: float, last: bool) -> Factor:
     basis = _orthogonal(packed[:, :size], tau, last)
     if rank == rows:
         return _Wide(packed[:rows], order, basis)
+    # Dependent rows may have targets that contradict each other, so p of the rows cannot stand for
+    # all. All m are kept, as L = R[:p].T, and least squares decides among them.
     return _Deficient(np.triu(packed[:rank]).T, order, basis)
 
 
@@ -115,7 +133,11 @@ class _Zero:
 
 
 class _Wide:
-    """Full row rank: ``M.T P = Q [R; 0]``."""
+    """Full row rank: ``M.T P = Q [R; 0]``, so with Q1 the first m columns ``P.T M = R.T Q1.T``.
+
+    Every target is met: ``R.T y = P.T target``, and z = Q1 y is the shortest such z, as it has no
+    part in the null space.
+    """
 
     def __init__(self, triangle: Matrix, order: Vector, basis: Matrix) -> None:
         self.rank = order.size
@@ -135,7 +157,10 @@ class _Wide:
 
 
 class _Tall:
-    """Full column rank, more rows than columns: ``M P = Q R`` (the caller checks the pivots)."""
+    """Full column rank, at least as many rows as columns: ``M P = Q R``; callers check the pivots.
+
+    Least squares: ``R P.T z = Q.T target``. There is no null space.
+    """
 
     def __init__(self, matrix: Matrix) -> None:
         self.rank = matrix.shape[1]
@@ -157,7 +182,10 @@ class _Tall:
 
 
 class _Deficient:
-    """Rank p below both dimensions: ``M = P L Q1.T`` with L, shape (m, p), of full column rank."""
+    """Rank p < m: ``M = P L Q1.T`` with L, shape (m, p), of full column rank.
+
+    Two steps: y minimises ``||L y - P.T target||``, and z = Q1 y is the shortest z with that y.
+    """
 
     def __init__(self, lower: Matrix, order: Vector, basis: Matrix) -> None:
         self.rank = lower.shape[1]

@@ -62,6 +62,8 @@ class JerkLaw:
         # Where there is no jerk limit any number will do: the result is not used.
         step = np.where(np.isfinite(jerk), jerk, acceleration) * dt * dt
         width = np.minimum(upper - lower, _FAR) / dt
+        # A joint with the acceleration A at v = 0 gains A^2 / (2 S) while the jerk takes A back to
+        # 0; this is within v_max if A <= S sqrt(2 v_max / S).
         by_velocity = np.maximum(np.sqrt(2.0 * velocity / step), 0.5)
         by_position = np.cbrt(width / step + 0.125)
         used = np.minimum(most, step * np.minimum(by_velocity, by_position))
@@ -90,9 +92,12 @@ class JerkLaw:
         n = position.size
         room = self._walls - np.concatenate((-position, position)) / self._dt
         speed = np.concatenate((-velocity, velocity))
+        # First what acceleration, jerk and velocity allow; the position can only take from that.
         largest = self._within_velocity(room, speed, np.concatenate((-change, change)))
         # Outside too it must stop, and goes no further out than braking takes it.
         np.maximum(room, 0.0, out=room)
+        # F itself is computed one joint at a time. Its upper bound is cheap, for all joints at
+        # once, and clears those that are far from their limits.
         near = np.flatnonzero(self._goes_at_most(speed, largest) > room)
         if near.size:
             self._keep_room(near, room, speed, largest)
@@ -136,15 +141,21 @@ class JerkLaw:
 
     def _within_velocity(self, room: Vector, speed: Vector, change: Vector) -> Vector:
         """Return the largest changes that acceleration, jerk and velocity limits allow, (2n,)."""
+        # At most A. A joint that still has more, from a state that this law did not choose, comes
+        # down with the full jerk. The acceleration limit is clipped last, so it goes before jerk.
         largest: Vector = np.maximum(self._used, change - self._step)
         np.minimum(largest, change + self._step, out=largest)
         np.maximum(largest, -self._most, out=largest)
         np.minimum(largest, self._most, out=largest)
+        # The least change towards one limit is the largest one towards the other: the hardest
+        # braking. It is taken before the velocity limit, and what follows never goes below it.
         least: Vector = -other_side(largest)
         ceiling = self._speed
         if not room.min() >= 0.0:  # outside: back, at least at the speed that stops at the limit
             back = np.maximum(approach_speed(room, self._used, 1.0), -ceiling)
             ceiling = np.where(room >= 0.0, ceiling, back)  # a NaN stays one
+        # w' <= u(v_max - v; S): the jerk can still bring this acceleration to 0 in front of the
+        # velocity limit, as a can still bring the speed u(d; a) to 0 in front of a position limit.
         np.minimum(largest, approach_speed(ceiling - speed, self._step, 1.0), out=largest)
         np.maximum(largest, least, out=largest)
         return largest
@@ -152,7 +163,8 @@ class JerkLaw:
     def _goes_at_most(self, speed: Vector, change: Vector) -> Vector:
         """Return an upper bound of F(v, w'), shape (2n,): cheap, and enough far from the limits.
 
-        That is D with c = max(w - S/2, 0), max(v, 0) and the mean of z/P + P/S at P = A.
+        That is D with c = max(w - S/2, 0) and max(v, 0), without -c^3 / (6 S^2), and with P = A
+        throughout: z / P + P / S is least at P = sqrt(S z), which D has where z < A^2 / S.
         """
         goes: Vector = speed + change
         c = change - 0.5 * self._step

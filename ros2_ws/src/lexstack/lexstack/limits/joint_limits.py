@@ -33,7 +33,7 @@ class Bounds:
 
     @property
     def empty(self) -> int:
-        """Number of joints whose interval is empty (0 for every box made in ``bounds``)."""
+        """Number of joints whose interval is empty (0 for every box of ``viable_bounds``)."""
         return int(np.count_nonzero(~(self.lower <= self.upper)))
 
 

@@ -1,11 +1,11 @@
 """Which joints cannot keep new limits at once, and for how long.
 
-With e the way from a limit out to the joint, v its velocity outward and r^2 = v^2 + 2 a e, a joint
-that accelerates inward with a, up to its velocity limit, has crossed the limit after
+Let e be the distance of a joint outside a limit, v its outward velocity and r^2 = v^2 + 2 a e. A
+joint that accelerates inward with a, up to its velocity limit, crosses the limit after
 
     t = (v + r) / a  where r <= v_max,  else  (v + v_max) / a + (r^2 - v_max^2) / (2 a v_max)
 
-In steps of dt it moves ahead of that, so the next tick is soon enough.
+In steps of dt the joint is ahead of this continuous motion, so t is rounded up to whole ticks.
 """
 
 from __future__ import annotations
@@ -19,12 +19,14 @@ from lexstack.limits.joint_limits import JointLimits
 from lexstack.limits.viable_bounds import can_stop
 from lexstack.types import Vector
 
-_KEPT = 1e-9  # m, rad, m/s, rad/s: a limit exceeded by no more is kept
+# m, rad: a limit exceeded by no more is kept, as in ``can_stop``, so both agree on what is inside.
+# Also in ticks, see ``LimitTiming.of``.
+_KEPT = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """What ``viable_bounds`` is told of the joints at one tick.
+    """The motion of the joints at one tick, as ``viable_bounds`` needs it.
 
     Attributes:
         position: q*, shape (n,), m and rad.
@@ -41,13 +43,17 @@ class Motion:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimitTiming:
-    """How late the joints are, shape (2n,): as seen towards the lower, then the upper limits.
+    """Which joints are late, and by how much, shape (2n,): first the lower, then the upper limits.
+
+    A joint is late at a limit if it is outside, or cannot stop in front of it.
 
     Attributes:
-        fast: whether it is in front of the limit, but too fast to stop with the new acceleration.
-        ticks: until it is inside, or stands where it is fast; 0 where it is not late.
-        drawn_to: the limit until then, in the least time.
-        apart: how far the other limit must be from it, for ``jerk`` to use all acceleration.
+        fast: whether it is in front of the limit, but too fast to stop with the new acceleration,
+            where the old one was larger.
+        ticks: until it is inside, or until it stands where it is ``fast``; 0: it is not late.
+        drawn_to: the limit to use until then, in the least time; a position, measured outward.
+        apart: a distance of both position limits that lets ``JerkLaw`` use the whole acceleration
+            limit.
         gaps: from the new limit to where the joint can come to rest, 0 where it is not late.
     """
 
@@ -59,17 +65,25 @@ class LimitTiming:
 
     @classmethod
     def of(cls, old: JointLimits, new: JointLimits, motion: Motion) -> LimitTiming:
-        """Return it for a change of limits at this state of motion."""
+        """Return the timing of a change of limits at this state of motion."""
         n, dt = new.n, motion.dt
+        # Both sides in one vector, each measured outward: the lower side is mirrored. Everything
+        # below then reads as for an upper limit: outside is position > wall, outward is speed > 0.
         position = np.concatenate((-motion.position, motion.position))
         speed = np.concatenate((-motion.applied, motion.applied))
         outward, jerk, larger = _accelerations(old, new, motion)
         walls = np.concatenate((-new.walls[:n], new.walls[n:]))
         inside = walls - position >= -_KEPT
+        # Late: outside the limit, or not able to stop in front of it with the new acceleration. Of
+        # the two jerk limits the larger one counts here: a joint that brakes keeps it (``_eased``).
         either = replace(new, jerk=np.maximum(old.jerk, new.jerk))
         late = ~can_stop(motion.position, either, dt, motion.applied, motion.acceleration)
+        # Keeping the old acceleration until the joint stands helps only where it was larger. Any
+        # other late joint is brought back inside with the new acceleration.
         fast = inside & late & (old.rates > new.rates)
-        # Outside one limit and too fast for the other one: it comes inside by itself.
+        # Outside one limit and too fast for the other one: it moves inward by itself, and only the
+        # side in front of it stays late. ``np.roll`` by n swaps the two sides. ``fast`` is not
+        # affected: it needs ``inside``.
         late &= inside | ~np.roll(late, n)
         rate, jerk = np.where(fast, old.rates, new.rates), np.where(fast, larger, jerk)
         time = np.where(
@@ -77,10 +91,22 @@ class LimitTiming:
             _time_to_stand(speed, outward, rate, jerk),
             _time_to_cross(walls - position, speed, outward, rate, jerk, new.speeds),
         )
+        # Rounded up: see the module. _KEPT keeps a time that is a whole number of ticks, but for
+        # rounding, from costing one tick more.
         ticks = np.where(late, np.ceil(time / dt - _KEPT), 0.0).astype(np.int64)
+        # With W the distance of the limits, ``JerkLaw`` uses at most S cbrt(1/8 + W / (dt S)). That
+        # is at least A = a dt if W >= a^3 / j^2, with S = j dt^2. ``behind`` is the other limit,
+        # measured outward on this side.
         apart, behind = rate**3 / jerk**2, -np.roll(walls, n)
+        # The limit that leaves one choice, full acceleration inward: it lies inside both the new
+        # limit and the joint by the room d of u(d) = v_max, that is d = v_max (v_max / (2 a) + dt).
+        # Until the joint has crossed the new limit, u towards ``drawn_to`` is at most -v_max.
         drawn_to = np.minimum(walls, position) - new.speeds * (new.speeds / (2.0 * rate) + dt)
+        # But a joint must not be driven through its other limit: the drawn limit keeps ``apart``
+        # from it, or stays at the new limit where both are closer than that. A ``fast`` joint only
+        # brakes, and does not come to the other limit: there ``_drawn`` moves that one instead.
         drawn_to = np.where(fast, drawn_to, np.maximum(drawn_to, np.minimum(behind + apart, walls)))
+        # Where a joint that moves outward comes to rest: one tick at its speed, then v^2 / (2 a).
         away = np.maximum(speed, 0.0)
         rest = position + away * (away / (2.0 * rate) + dt)
         gaps = np.where(late, np.maximum(rest - walls, 0.0), 0.0)
@@ -92,7 +118,8 @@ def _accelerations(
 ) -> tuple[Vector, Vector, Vector]:
     """Return the acceleration outward, the new jerk limit and the larger one, shape (2n,) each.
 
-    Where jerk is not limited, as much of it as is as good as that.
+    Where jerk is not limited, a finite jerk stands for it: 1e10 a / dt, with which the ramp to the
+    full acceleration takes 1e-10 ticks.
     """
     endless = 1e10 * new.rates / motion.dt
     if motion.acceleration is None:
@@ -109,8 +136,10 @@ def _time_to_cross(
 ) -> Vector:
     """Return when a joint that accelerates inward with ``rate`` has crossed its limit, (2n,) [s].
 
-    Where it stops before that limit, when it stands.
+    Where it stops before that limit, the time until it stands.
     """
+    # r^2 = v^2 + 2 a e with e = -room: r is the speed at the crossing. r^2 < 0 means that the joint
+    # stops in front of the limit; with r = 0 the time is v / a, until it stands.
     root = np.sqrt(np.maximum(speed * speed - 2.0 * rate * room, 0.0))
     capped = np.minimum(root, fastest)
     time: Vector = (root * root - capped * capped) / (2.0 * rate * fastest)
@@ -123,6 +152,10 @@ def _time_to_cross(
 
 def _time_to_stand(speed: Vector, outward: Vector, rate: Vector, jerk: Vector) -> Vector:
     """Return when a joint stands that has the acceleration ``outward`` and brakes, (2n,) [s]."""
+    # The acceleration falls from ``outward`` to -rate with the full jerk. If the joint stands
+    # during this ramp, at v + outward t - jerk t^2 / 2 = 0, that t is ``early``.
     ramp = np.maximum(rate + outward, 0.0) / jerk
     early = (outward + np.sqrt(np.maximum(outward * outward + 2.0 * jerk * speed, 0.0))) / jerk
+    # Otherwise the rest is braked with ``rate``: after the ramp R the speed is
+    # v + outward R - jerk R^2 / 2 = v + jerk R^2 / 2 - rate R, and R + that / rate is the time.
     return np.where(early <= ramp, early, (speed + 0.5 * jerk * ramp * ramp) / rate)

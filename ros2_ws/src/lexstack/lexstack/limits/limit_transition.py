@@ -1,21 +1,23 @@
-"""Joint limits that change at run time: no box is ever empty, and the way is as short as can be.
+"""Joint limits that change at run time, such that the box of a tick is never empty.
 
-Takes the place of T(34). New limits hold at once, but where a joint cannot keep them:
+This replaces T(34). New limits hold at once, with two exceptions:
 
-- outside a position limit, that limit takes its time: it is in its place when the joint is inside;
-- in front of one but too fast to stop with a smaller acceleration limit, the joint keeps the old
-  one until it stands.
+- A joint outside a new position limit cannot be inside at once. The limit reaches its place when
+  the joint is inside.
+- A joint in front of a limit that is too fast to stop with a smaller acceleration limit keeps the
+  old acceleration limit until it stands.
 
-Outside, in the least time: the limit is drawn inside, by the way in which the joint stops from its
-velocity limit. That leaves one choice to ``viable_bounds``, full acceleration inward up to the
-velocity limit, until the joint has crossed the new limit; ``lateness`` knows when. In a given
-time: the limit moves along the quintic, from where the joint can come to rest. Where that is more
-than the box can follow, the joint goes on to the new limit as fast as it can.
+A joint outside, in the least time: the limit is drawn inside by the distance in which the joint
+stops from its velocity limit. That leaves ``viable_bounds`` one choice, full acceleration inward up
+to the velocity limit, until the joint has crossed the new limit; ``limit_timing`` computes when. In
+a given time: the limit moves along the quintic, from where the joint can come to rest. If it moves
+faster than the box can follow, the joint goes on to the new limit as fast as it can.
 
-A joint that brakes with the old acceleration does so at once, and until it stands, whatever the
-time given: only then can it do with the new one.
+A joint that brakes with the old acceleration does so at once and until it stands, whatever time is
+given: before that it cannot keep the limits with the new one.
 
-A velocity above its new limit needs no more: the box leads below it with the acceleration limit.
+A velocity above its new limit needs no exception: the box leads below it within the acceleration
+limit.
 """
 
 from __future__ import annotations
@@ -59,7 +61,7 @@ class LimitBlend:
     def begin(
         cls, old: JointLimits, new: JointLimits, motion: Motion, tick: int, duration: float = 0.0
     ) -> LimitBlend:
-        """Return the way from ``old`` to ``new`` limits for joints in this state of motion.
+        """Return the limits from tick to tick, from ``old`` to ``new``, for joints in this motion.
 
         Args:
             old: the limits in effect.
@@ -69,11 +71,19 @@ class LimitBlend:
             duration: how long position limits move [s]; 0: the least time.
         """
         late = LimitTiming.of(old, new, motion)
+        # The given time in whole ticks; 1e-9 of a tick absorbs the rounding of the quotient. It is
+        # for the joints whose position limit moves along the quintic. ``fast`` joints are not among
+        # them: they keep the old acceleration until they stand, however long that takes.
         given = int(np.ceil(duration / motion.dt - 1e-9))
         moved = (late.ticks > 0) & ~late.fast if given > 0 else np.zeros(2 * new.n, dtype=np.bool_)
         ticks = np.where(moved, given, late.ticks)
+        # Each late joint is released at its own tick. Between two releases the limits are constant
+        # (but for the quintic), so there is one stage for each release: in the stage that ends at
+        # ``end``, the joints that are released then or later are still held. ``unique`` sorts, so
+        # ``releases`` increase, as the bisection in ``at`` needs.
         ends = np.unique(ticks[ticks > 0]).tolist()
         stages = tuple(_drawn(late, (ticks >= end) & ~moved, old, new) for end in ends)
+        # A moving limit begins where the joint can come to rest, and not at the old limit.
         gaps = np.where(moved, late.gaps, 0.0) if moved.any() else None
         return cls(new, tick, tuple(tick + end for end in ends), stages, gaps, given)
 
@@ -84,13 +94,16 @@ class LimitBlend:
 
     def at(self, tick: int) -> JointLimits:
         """Return the limits of a tick; the same object for as long as nothing changes."""
+        # ``bisect_right``: at the tick of its release a joint is under the new limits already.
         stage = bisect_right(self.releases, tick)
         if stage == len(self.releases):
             return self.new
+        # Counted from 1: the box of a tick bounds where the joint is at the end of that tick.
         limits, passed = self._stages[stage], max(tick + 1 - self.start, 0)
         if self._gaps is None or passed >= self._moving:
             return limits
         s = passed / self._moving
+        # 1 - alpha(s), with the quintic alpha(s) = 10 s^3 - 15 s^4 + 6 s^5 of the transitions.
         gaps = (1.0 - s * s * s * (10.0 + s * (6.0 * s - 15.0))) * self._gaps
         return replace(
             limits,
@@ -103,10 +116,12 @@ def _drawn(
     late: LimitTiming, held: NDArray[np.bool_], old: JointLimits, new: JointLimits
 ) -> JointLimits:
     """Return the limits while the joints that are ``held``, shape (2n,), are drawn inside."""
+    # ``drawn_to`` is measured outward: on the lower side it is the negative of a position.
     n, braked = new.n, held & late.fast
     lower = np.where(held[:n], -late.drawn_to[:n], new.position_lower)
     upper = np.where(held[n:], late.drawn_to[n:], new.position_upper)
-    # A joint that only brakes does not come to the other limit: that may give way.
+    # A joint that only brakes does not come to its other limit. That one is moved away until both
+    # are ``apart``: where they are closer, ``JerkLaw`` would use less than the full acceleration.
     least, largest = late.drawn_to[n:] - late.apart[n:], late.apart[:n] - late.drawn_to[:n]
     return replace(
         _eased(old, new, braked),

@@ -13,7 +13,7 @@ u is odd and increasing, clipping is monotone: lower <= upper from every state. 
 q(k+1) = q(k) + dt chi, moving at u(d) leaves the room d' with u(d') >= u(d) - a dt, so the box of
 the next step always reaches below U again: whoever is inside the limits stays inside.
 
-With jerk limits, and where the last acceleration is known, the law is that of ``jerk.JerkLaw``.
+With jerk limits, and where the last acceleration is known, the law is ``jerk_bounds.JerkLaw``.
 """
 
 from __future__ import annotations

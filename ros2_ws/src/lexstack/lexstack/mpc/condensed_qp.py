@@ -2,8 +2,12 @@
 
     min g.d + d.H d / 2    subject to    lower <= A d <= upper
 
-With H = R^T R and y = R d + R^-T g it becomes min |y|^2 / 2 with rows A R^-1, which is DAQP's own
-form: LAPACK factors, DAQP finds the active set among few rows and never sees H.
+With H = R^T R and y = R d + R^-T g the cost is |y|^2 / 2 less a constant, so the problem is
+
+    min |y|^2 / 2    subject to    lower + s <= A R^-1 y <= upper + s,    s = A R^-1 R^-T g
+
+which is the form that DAQP uses inside: LAPACK factors H, and DAQP finds the active set among few
+rows and never sees H. Then d = R^-1 (y - R^-T g).
 """
 
 from __future__ import annotations
@@ -16,7 +20,7 @@ from lexstack.types import Matrix, Vector
 
 _FAR = 1e30  # DAQP's infinity
 _ITERATIONS = 2000
-FINE, COARSE = 1e-9, 1e-6  # of rows of length 1
+FINE, COARSE = 1e-9, 1e-6  # by how much a bound may be exceeded, for rows of length 1
 _NO_LENGTH = 1e-13
 _ACTIVE, _LOWER = 1, 2
 _WORDS = {
@@ -34,7 +38,8 @@ class CondensedQp:
 
     def __init__(self, hessian: Matrix) -> None:
         """Factor H, shape (m, m), positive definite; it is overwritten."""
-        # The transpose of a symmetric matrix is itself, and in the order that LAPACK wants.
+        # The transpose of a symmetric matrix is itself, and in the order that LAPACK wants. R is
+        # the upper triangle; ``clean=0`` leaves numbers of H below it, which no call here reads.
         self._factor, self._info = lapack.dpotrf(hessian.T, clean=0, overwrite_a=1)
 
     @property
@@ -50,6 +55,7 @@ class CondensedQp:
         """
         if not len(rows):
             return rows, np.zeros(0)
+        # R^T X = A^T gives X = R^-T A^T, the transpose of A R^-1: a triangular solve, no inverse.
         solved, _ = lapack.dtrtrs(self._factor, rows.T, trans=1)
         white = solved.T
         lengths = np.sqrt(np.einsum("ij,ij->i", white, white))
@@ -57,11 +63,17 @@ class CondensedQp:
         return np.asarray(white * factors[:, None]), factors
 
     def center(self, gradient: Vector) -> Vector:
-        """Return R^-T g, shape (m,), for which ``solve`` minimises the cost."""
+        """Return R^-T g, shape (m,), for which ``solve`` minimises the cost.
+
+        For |R d + center|^2 / 2 = d.H d / 2 + g.d + constant.
+        """
         return np.asarray(lapack.dtrtrs(self._factor, gradient, trans=1)[0])
 
     def center_at(self, point: Vector) -> Vector:
-        """Return -R p, shape (m,), for which ``solve`` finds the d nearest to p in H's metric."""
+        """Return -R p, shape (m,), for which ``solve`` finds the d nearest to p in H's metric.
+
+        For |R d + center|^2 = (d - p).H (d - p).
+        """
         return np.asarray(-blas.dtrmv(self._factor, point))
 
     def solve(
@@ -81,12 +93,14 @@ class CondensedQp:
             guess: multipliers of the first rows, whose signs are the first working set.
             tolerance: of these rows.
         """
+        # Without rows y = 0 is the shortest.
         if not len(rows):
             return self._back(-center), np.zeros(0), self.word
         sense = np.zeros(len(rows), dtype=np.intc)
         if guess is not None:
             sense[: len(guess)][guess > 0.0] = _ACTIVE
             sense[: len(guess)][guess < 0.0] = _ACTIVE | _LOWER
+        # A R^-1 y = A d + A R^-1 center: the bounds of A d, shifted by this, are those of y.
         lower, upper = bounds
         shift = rows @ center
         y, _, flag, info = daqp.solve(

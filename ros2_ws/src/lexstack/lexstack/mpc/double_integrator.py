@@ -5,7 +5,16 @@ input that is constant over each stage,
 
     v_k = v_0 + dt sum_{j<k} u_j        q_k = q_0 + k dt v_0 + dt^2 sum_{j<k} (k - j - 1/2) u_j
 
-The same two matrices hold for every joint; they and their products depend on N and dt alone.
+An input adds u_j dt^2 / 2 to q in its own stage, and its velocity u_j dt moves q by u_j dt^2 in
+each of the k - j - 1 stages after that: together (k - j - 1/2) dt^2 u_j.
+
+The same two matrices hold for every joint; they and their products depend on N and dt alone. So a
+cost with the second derivative B_k by q_k has in the inputs of stages i and j, with C the matrix of
+the positions, the second derivative
+
+    H_ij = sum_k C_ki C_kj B_k,
+
+one product of a matrix that is made once, (N N, N), with the B_k of an iterate, (N, n n).
 """
 
 from __future__ import annotations
@@ -34,10 +43,12 @@ class Horizon:
         self.stages = stages
         self.step = step
         self.times: Vector = step * np.arange(stages + 1, dtype=np.float64)
+        # Row k - 1 is for the state k, which the inputs 0 to k - 1 have moved: the lower triangle.
         past: Matrix = np.tri(stages)
         index: Vector = np.arange(stages, dtype=np.float64)
         self.to_velocity: Matrix = step * past
-        ages: Matrix = index[:, None] - index + 0.5  # of each input at each state, in stages
+        # k - j - 1/2 with k - 1 for the row: from the middle of stage j to the state k, in stages.
+        ages: Matrix = index[:, None] - index + 0.5
         self.to_position: Matrix = np.multiply(step * step, past * ages)
         self.position_products: Matrix = _products(self.to_position)
         self.velocity_products: Matrix = _products(self.to_velocity)
@@ -54,6 +65,7 @@ class Horizon:
 
     def braking(self, v: Vector, acceleration: Vector) -> Matrix:
         """Return the inputs that stop every joint as fast as its limit allows, shape (N, n)."""
+        # |v| falls by a dt in each stage, and in the last one by what is left: no joint goes back.
         reach = np.arange(self.stages + 1)[:, None] * acceleration * self.step
         speeds = np.maximum(np.abs(v) - reach, 0.0)
         return np.asarray(np.sign(v) * np.diff(speeds, axis=0) / self.step)

@@ -120,6 +120,9 @@ class Program:
 
     def _hessian(self, curved: Array, velocity: Matrix, inputs: Matrix) -> Matrix:
         """Return the condensed Hessian of curvatures in q (N, n, n), v and u (N, n)."""
+        # H_ij = sum_k C_ki C_kj B_k + D_ki D_kj V_k (+ U_i where i = j), see ``double_integrator``:
+        # row i N + j of ``full`` is the block of stages i and j, before the last line sorts by
+        # (stage, joint). V, U and the effort act on each joint alone: they enter the diagonals.
         stages, n = inputs.shape
         horizon = self.horizon
         full = horizon.position_products @ curved.reshape(stages, n * n)

@@ -17,8 +17,8 @@ from lexstack.mpc.tracking_objectives import Task
 from lexstack.types import Matrix, Vector
 
 _CONVERGED = 1e-10  # of the cost: a step that promises less is no step
-_BEND = 0.05
-_PROBE = 0.25  # of a step: where its bend is measured
+_BEND = 0.05  # m or rad with H(12): the most second-order error that a whole step may have
+_PROBE = 0.25  # of a step: where its second-order error is measured
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +133,12 @@ class Level:
     def _search(
         self, iterate: Iterate, direction: Matrix, bend: Matrix, cost: float, slope: float
     ) -> _Step:
-        """Backtrack until the cost falls enough and no guard is violated, H(13)."""
+        """Backtrack until the cost falls enough and no guard is violated, H(13).
+
+        The trials are on the curve u + alpha d + alpha^2 b. Its slope at alpha = 0 is that of d, so
+        Armijo's rule uses g.d whatever b is. Its second-order error in the guards is alpha^2 times
+        that of the whole step, so one b serves all trials.
+        """
         rules = self._config.line_search
         alpha, refused = 1.0, ""
         for trial in range(1, rules.trials + 1):
@@ -157,7 +162,21 @@ class Level:
         return "" if cost <= limit else "descent"
 
     def _direction(self, iterate: Iterate, quadratic: Quadratic) -> tuple[Vector, Vector, str]:
-        """Return the step of the QP, how it bends, shapes (N n,), and the solver's word."""
+        """Return the step d, its correction b, shapes (N n,), and the solver's word.
+
+        The guards are curved: on the straight line u + d their values e differ from the linear
+        e + E d by c, of second order in d, and H(13) would shorten the step for it. b is the
+        smallest correction, in the metric of H, that makes up for c:
+
+            min b.H b / 2    subject to    lower <= E (d + b) + c <= upper
+
+        To second order these bounds then hold for every alpha in [0, 1], because
+
+            alpha E d + alpha^2 (E b + c) = (alpha - alpha^2) E d + alpha^2 (E (d + b) + c)
+
+        is a mean of 0, E d and E (d + b) + c, and all three are within [lower, upper]: the zero
+        step because the bounds were opened for it (``_opened``).
+        """
         qp = CondensedQp(quadratic.hessian)
         none = np.zeros(iterate.u.size)
         if qp.word != "solved":
@@ -168,20 +187,32 @@ class Level:
         if self._program.hard is not None:
             limited.within(self._program.hard, iterate.u)
         direction, word = limited.solve(rows.lower, rows.upper)
+        # Kept before the second QP: it is a guess for the first one of the next iteration.
         self.holding = limited.holding
         if word != "solved" or not (self._config.correction and self._guards):
             return direction, none, word
+        # A step by s d has the second-order error s^2 c. Where max |c| exceeds 0.05, s is chosen so
+        # that s^2 max |c| = 0.05; otherwise s = 1.
         bent = self._bent(iterate, rows, direction)
         scale = min(1.0, float(np.sqrt(_BEND / max(np.abs(bent).max(), _BEND))))
         shorter = scale * direction
         bent *= scale * scale
+        # In terms of d + b the problem is the first one, with its bounds shifted by c and with s d
+        # as the point to be near to: the same factors and rows serve. If it has no solution, the
+        # straight step of the first QP is used, and the line search decides.
         corrected, again = limited.nearest(shorter, rows.lower - bent, rows.upper - bent)
         if again != "solved":
             return direction, none, word
         return shorter, corrected - shorter, word
 
     def _bent(self, iterate: Iterate, rows: _Rows, direction: Vector) -> Vector:
-        """Return by how much a whole step would bend off the tangent of the guards, shape (r,)."""
+        """Return c, the second-order error of the guards for a whole step d, shape (r,).
+
+            c = (e(u + h d) - e(u) - h E d) / h^2,    h = 1/4
+
+        For a quadratic e any h gives the same c. Terms of third order enter with a factor h,
+        rounding with 1 / h^2.
+        """
         step = _PROBE * direction
         tried = self._program.kinematics(iterate.u + step.reshape(iterate.u.shape))
         off = self._values(tried) - self._values(iterate.at) - rows.matrix @ step
@@ -217,8 +248,11 @@ class Level:
 
 
 def _opened(matrix: Matrix, lower: Vector, upper: Vector) -> _Rows:
-    """Return rows that a step of zero satisfies: bounds are opened as far as they exclude it.
+    """Return rows that the zero step satisfies: lower <= 0 <= upper, opened where it is not so.
 
-    An iterate may violate a guard by up to delta; to demand its way back would leave no descent.
+    ``lower`` and ``upper`` are the bounds of e less the present e, so upper < 0 means that the
+    iterate violates a guard, which H(13) allows by up to delta. A QP that demanded to undo
+    this would leave no descent. With upper = 0 the violation need not shrink, and to first order it
+    cannot grow: E d <= 0. Bounds that the iterate meets stay as they are; delta is not in them.
     """
     return _Rows(matrix, np.minimum(lower, 0.0), np.maximum(upper, 0.0))

@@ -21,7 +21,7 @@ from lexstack.mpc.tracking_objectives import Task
 from lexstack.types import Matrix, Vector
 
 Array = NDArray[np.float64]
-_ROUNDING = 1e-12
+_ROUNDING = 1e-12  # in the unit of h: exceeded by no more, a bound is met, also with delta = 0
 
 
 class LexicographicConstraint:
@@ -43,6 +43,9 @@ class LexicographicConstraint:
         self.task = task
         self._kind = kind
         self._horizon = horizon
+        # ``best`` is what the level has reached. H(12) bounds |e| by |e*| on both sides; a cost may
+        # fall as far as it can, so H(11) has no lower bound. delta is not in these bounds: it would
+        # count twice, in the QP of a lower level and in its line search.
         value = self.value(best)
         self.upper: Vector = np.abs(value)
         self.lower: Vector = -self.upper if kind == "axis" else np.full(value.shape, -np.inf)
@@ -58,6 +61,10 @@ class LexicographicConstraint:
 
     def rows(self, at: StageKinematics, error: Matrix) -> Matrix:
         """Return dh/du, shape (r, N n)."""
+        # By the chain rule through the positions, q_k = ... + sum_j C_kj u_j:
+        #   axis   de_kp/du_j = C_kj de_kp/dq_k
+        #   stage  dJ_k/du_j = C_kj e_k' W_k de_k/dq_k, for J_k = e_k' W_k e_k / 2
+        #   sum    the rows of ``stage``, added over k
         jacobian = self.task.jacobian(at)
         if self._kind == "axis":
             return self._condense(jacobian)
@@ -69,6 +76,8 @@ class LexicographicConstraint:
 
     def excess(self, error: Matrix) -> tuple[float, str]:
         """Return by how much H(13) is violated at most (<= 0: not), and where in words."""
+        # Here, and here alone, delta counts. It is measured from e* of the level above and not from
+        # the present iterate, so it does not add up from step to step.
         value = self.value(error)
         beyond = np.maximum(value - self.upper, self.lower - value) - self.tolerance
         worst = int(np.argmax(beyond))

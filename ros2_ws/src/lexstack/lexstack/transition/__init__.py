@@ -1,4 +1,4 @@
-"""Transitions: how robot A goes from its own optimum to a source's, within limits."""
+"""Transitions: how the command goes from one stack's optimum to a source's, within limits."""
 
 from typing import TYPE_CHECKING
 

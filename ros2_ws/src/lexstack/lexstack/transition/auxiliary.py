@@ -12,12 +12,12 @@ from lexstack.types import Vector
 
 
 class Auxiliary:
-    """Solves them for one tick. A failed solution is not used: the robots hold what they do."""
+    """Solves them for one tick. A failed solution is not used: the last command is held."""
 
     def __init__(
         self, solve: Callable[[HqpProblem], Solution], command: Vector, bounds: Bounds
     ) -> None:
-        """Solve with ``solve``; hold ``command`` (n,), which is in force, within A's box."""
+        """Solve with ``solve``; hold ``command`` (n,), which is in force, within its box."""
         self._solve = solve
         self._command = command
         self._bounds = bounds
@@ -35,6 +35,6 @@ class Auxiliary:
         return self.held(f"auxiliary problem: {reason}") if reason else solution.chi
 
     def held(self, reason: str) -> Vector:
-        """Return the command in force, clipped to A's box, shape (n,), and keep the reason."""
+        """Return the command in force, clipped to its box, shape (n,), and keep the reason."""
         self._failures.append(f"{reason}: the last command is held")
         return np.clip(self._command, self._bounds.lower, self._bounds.upper)

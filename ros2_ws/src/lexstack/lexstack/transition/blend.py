@@ -24,11 +24,14 @@ from lexstack.types import LinearTask, Vector
 
 _START = Progress()
 _NOTHING = Tally()
-_LITTLE = (0.007, 0.002)  # of the acceleration and the jerk limits
+# Of the acceleration and the jerk limits: what fading the gap to the own optimum may add.
+_LITTLE = (0.007, 0.002)
 _SHORTEST = 0.1  # s
-_PAIR = 1  # a target that reaches A and B at different ticks makes two latches; more are a stream
-_JUMP = 5.0  # of a joint's acceleration limit
-_FELT = 1e-3  # of a joint's acceleration limit: no difference of accelerations below it is felt
+# Latches shortly before this one: a target that reaches controller and solver at different ticks
+# makes two in all; more are a stream.
+_PAIR = 1
+_JUMP = 5.0  # of a joint's acceleration limit: more is no acceleration, but a jump of the source
+_FELT = 1e-3  # of a joint's acceleration limit: a smaller difference of accelerations is ignored
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,21 +39,21 @@ class Blend:
     """A blend under way.
 
     Attributes:
-        way: from where to where, for which request.
+        way: from which stack to which one, for which request.
         source: whose chi it follows.
         start: the tick at which alpha is 0.
-        duration: in which alpha comes to 1 [s].
+        duration: in which alpha rises to 1 [s].
         bridge: the gaps that were latched there, and what is carried over at this tick.
         source_chi: the source's optimum of this tick, shape (n,).
-        step: how far A would have moved its command at the start, without what made it latch, (n,).
+        step: how far the command would have moved at the start, without the latch, shape (n,).
         carry: the motion of the gap at its latch, None where it has none.
         drift: how far the source's optimum has moved since the tick before, without what new
             targets moved in it, shape (n,).
         progress: alpha of this tick, and its rate where the profile has a state.
-        alone: whether A goes to its own optimum and follows B no longer, to the end.
+        alone: whether the solver is not followed any more in this blend.
         end: the first tick for which the source is no longer needed, None until it is known.
         recent: how many latches came shortly before this one.
-        tally: of what made it latch.
+        tally: of losses and sets of targets within this blend.
     """
 
     way: Route
@@ -85,15 +88,15 @@ class Blend:
         """Return a blend that starts at this tick: delta and epsilon latched, alpha at 0.
 
         Args:
-            way: from where to where.
+            way: from which stack to which one.
             source: whom to follow, and its chi of this tick, shape (n,).
             level: level 1 of the target at this tick.
-            past: what A was about to do.
+            past: how the robots would go on without the latch.
             context: of this tick.
         """
         bridge = latch(past.start, source[1], level, past.level_goes_on)
         if past.carry is not None and past.carry.older:
-            # A slip goes on to fade in its own time; delta is what is left of the gap.
+            # A slip of an earlier latch keeps its own fading time; delta is the rest of the gap.
             fading = past.carry.at(0.0)
             bridge = replace(bridge, delta=bridge.delta - fading, carried=fading)
         step = past.start - context.kinematics.state.command
@@ -110,12 +113,12 @@ class Blend:
         )
 
     def taken_over(self, own: Vector, tick: int, context: TickContext) -> Blend:
-        """Return the blend from B's chi of this tick on to A's own optimum of it, shape (n,).
+        """Return the blend from the solver's chi of this tick to the own optimum, shape (n,).
 
-        Where B's chi is late or frozen, adopting the stack at once would make the command jump by
-        their difference. It fades as slowly as is needed to be hardly felt, and at most in the
-        time of the blend before: a chi that is one tick old takes the shortest time. What comes in
-        between, like a new target, has the request's whole time again.
+        If the solver's chi is late or frozen, adopting the stack at once would make the command
+        jump by their difference. It fades so slowly that it adds little acceleration and jerk
+        (``_LITTLE``), and at most in the time of the blend before: a chi that is one tick old takes
+        the shortest time. A later latch, as for a new target, has the request's whole time again.
         """
         gap = self.source_chi - own
         step = np.zeros_like(own) if self.drift is None else self.drift
@@ -143,7 +146,7 @@ class Blend:
         return min(self.duration, max(_SHORTEST, by_rate, by_jerk))
 
     def of(self, part: RobotGroup) -> Blend:
-        """Return the blend of some of its robots, which goes on as it is."""
+        """Return the blend of some of its robots, unchanged otherwise."""
         way = self.way.of(part)
         target = self.way.target
         epsilon, tasks = self.bridge.epsilon, () if target.planned else target.levels[0].tasks
@@ -157,7 +160,7 @@ class Blend:
     ) -> Blend:
         """Return the blend at a tick, given the source's chi (n,) for it.
 
-        ``unsteady``: that chi may have moved by a new reference, which is no motion to go on with.
+        ``unsteady``: that chi may have jumped by a new reference, which is no motion to carry over.
         """
         if tick == self.start:
             return replace(self, source_chi=chi)
@@ -187,7 +190,8 @@ class Blend:
     def jumps(self, chi: Vector, context: TickContext) -> bool:
         """Return whether the source's chi (n,) moves by more than the joints follow in one tick.
 
-        Beyond its motion of the tick before, where that is known. A plan is followed as it comes.
+        Its motion of the tick before, where that is known, is taken off first. A plan never counts
+        as a jump.
         """
         if self.way.target.planned:
             return False
@@ -207,21 +211,38 @@ class Blend:
     ) -> tuple[Vector, GapMotion | None]:
         """Return what this blend, given up at ``tick``, leaves to the next one of ``duration`` [s].
 
+        In a blend the command follows chi(t) = chi_S(t) + d(t), with the source's optimum chi_S and
+        the gap d(t) = (1 - alpha) delta + what ``carry`` adds. The next blend begins with the step
+        that this would have made now, so that the velocity goes on as it was, and with the rate and
+        the second derivative of d, so that the gap's part of the acceleration does. The source's
+        part is known one tick later (``_with_slip``).
+
         Returns:
             How far the command would have moved since the tick before, shape (n,), and the motion
-            of the gap.
+            of the gap, None where it has none to keep.
         """
         if tick == self.start:  # given up before it began: there is no tick before to compare with
             return self.step, None if self.carry is None else replace(self.carry, duration=duration)
+        # The source's part of the step. Its chi of this tick may be the very jump that ends this
+        # blend, so it is taken to move as it did in the tick before.
         step = np.zeros_like(self.step) if self.drift is None else self.drift
         carry = None
+        # ``time_optimal`` has no d(t) that is known ahead: it keeps nothing, and begins from rest.
         if self.request.profile != "time_optimal":
             times = tuple((tick + k - self.start) * context.dt for k in (-1, 0, 1))
+            # The gap's part of the step, with all that is in the gap.
             step = step + self._gap(times[1]) - self._gap(times[0])
+            # d' and d'' by central differences over one tick to either side,
+            #     d' = (d(t + dt) - d(t - dt)) / (2 dt)
+            #     d'' = (d(t + dt) - 2 d(t) + d(t - dt)) / dt^2,
+            # without the slips. These go on to fade beside the new gap, in their own short time
+            # (``older``): in d'' their curvature would be led to rest in the whole duration, and
+            # drive the command far off, farther with every latch.
             before, now, after = (self._lasting_gap(time) for time in times)
             speed, bend = (after - before) / (2.0 * context.dt), (after - 2.0 * now + before)
             older = () if self.carry is None else self.carry.fading(times[1])
             carry = GapMotion(speed, bend / context.dt**2, duration, older=older)
+        # A step beyond the acceleration limit is no motion that the command could have made.
         reach = context.limits.acceleration * context.dt
         return np.minimum(np.maximum(step, -reach), reach), carry
 
@@ -240,7 +261,7 @@ class Blend:
         return METHODS[self.request.method](view, self.bridge, self.progress.alpha)
 
     def _new(self, context: TickContext) -> tuple[tuple[LinearTask, ...], ...]:
-        """Return all levels of the stack that A goes to; on a plan to follow that alone."""
+        """Return all levels of the target stack; of a planned one only to follow the plan."""
         way = self.way
         if way.target.planned:
             return (way.part.follow(self.source_chi),)
@@ -260,14 +281,16 @@ class Blend:
         """Return the motion of the gap, now that the source's step from tick to tick is known."""
         if self.request.profile == "time_optimal":
             return None
+        # At the latch the command moved by ``step``, and the source now moves by ``drift``: over dt
+        # their difference is the gap's rate. What ``carry`` has of it already is taken off.
         slip = (self.step - drift) / context.dt
         carry, limit = self.carry, context.limits.acceleration
         if carry is not None:
             slip -= (
                 (carry.at(context.dt) - carry.at(0.0)) / context.dt if carry.older else carry.rate
             )
-        # Joint by joint: what one robot feels is nothing to the others. What is far beyond all that
-        # a joint can do is no acceleration, but a jump of the source.
+        # Joint by joint, so that robots do not affect each other. At most the acceleration limit; a
+        # difference far beyond it is no acceleration, but a jump of the source, and counts as none.
         size = np.abs(slip)
         np.minimum(np.maximum(slip, -limit), limit, out=slip)
         slip[(size <= _FELT * limit) | (size > _JUMP * limit)] = 0.0

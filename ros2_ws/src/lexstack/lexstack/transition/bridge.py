@@ -1,10 +1,10 @@
-"""The bridge: the gap to the source, latched at the trigger, fades out while A stays optimal.
+"""The bridge: the gap to the source, latched at the trigger, fades out; each tick is an optimum.
 
 At the trigger t0, with chi_A what the command would be without it and chi_S the source's optimum:
 
     delta = chi_A(t0) - chi_S(t0)              epsilon = J chi_A(t0) - b_1(t0)
 
-and then, within A's own bounds,
+and then, within the bounds of the command,
 
     1) min || J chi - (b_1 + (1 - alpha) epsilon) ||
     2) min || chi - (chi_S + (1 - alpha) delta) ||
@@ -29,9 +29,10 @@ class Bridge:
     Attributes:
         delta: chi_A - chi_S, shape (n,), m/s and rad/s.
         epsilon: per task of level 1 the residual of chi_A, zero for inequality rows; or None where
-            level 1 goes on as it was: then its optimum is not touched, and strictness holds through
+            level 1 goes on as it was: then its optimum is not changed, and strictness holds through
             the transition.
-        carried: what the gap of this tick has besides (1 - alpha) delta, shape (n,), see ``carry``.
+        carried: what the gap of this tick has besides (1 - alpha) delta, shape (n,), as of
+            ``GapMotion.at``.
     """
 
     delta: Vector
@@ -45,11 +46,11 @@ def latch(
     """Return the bridge from ``command`` to ``source``, both shape (n,).
 
     Args:
-        command: chi_A(t0): of a stack that A serves alone its optimum at this tick, else the last
-            command.
+        command: chi_A(t0): without a blend the optimum of the old stack at this tick, in a blend
+            the last command moved on as the blend would have moved it.
         source: chi_S(t0), the source's optimum for this tick.
         level: level 1 of the new stack at this tick.
-        level_goes_on: whether level 1 and its references are those that A followed until now.
+        level_goes_on: whether level 1 and its references are those that were followed until now.
     """
     epsilon = None if level_goes_on else tuple(_gap(task, command) for task in level)
     return Bridge(command - source, epsilon)
@@ -79,20 +80,21 @@ def _moved_by(task: LinearTask, gap: Vector) -> LinearTask:
 def _gap(task: LinearTask, command: Vector) -> Vector:
     """Return what a task's equality rows lack at ``command``, shape (m,); zero for inequalities.
 
-    Those hold at once: what must not be touched is not touched a little during a blend, and rows
-    of such tasks may stand for other things from tick to tick.
+    Inequalities hold at once: a distance to an obstacle must be kept during a blend too, and the
+    rows of such tasks may stand for something else from tick to tick.
     """
     return np.where(task.lower == task.upper, task.residual(command), 0.0)
 
 
 def goes_on(new: tuple[LinearTask, ...], old: tuple[LinearTask, ...], reach: Vector) -> bool:
-    """Return whether a level asks for what another one asked for, at the same state.
+    """Return whether a level has the rows and targets of another one, at the same state.
 
-    Less than the joints make up for in one tick needs no bridge: a moving reference is no jump.
+    Targets that differ by less than the joints can follow in one tick need no bridge: a moving
+    reference is no jump.
 
     Args:
         new: the level now.
-        old: the level that A followed until now.
+        old: the level that was followed until now.
         reach: how far each joint's velocity may change in one tick, (n,), m/s and rad/s.
     """
     by_name = {task.name: task for task in old}

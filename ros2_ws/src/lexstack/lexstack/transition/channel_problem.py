@@ -1,4 +1,4 @@
-"""What A solves at one tick, on the way from stack to stack or on its own."""
+"""What the controller solves at one tick, during a transition or on a stack of its own."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from lexstack.types import Vector
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What A solves at one tick for the robots of one channel.
+    """What the controller solves at one tick for the robots of one channel.
 
     Attributes:
         problem: levels and box.
-        source: the chi that A goes to, shape (n,), or None when it serves its own stack.
+        source: the chi that the command goes to, shape (n,), or None without a transition.
         alpha: of the blend, 1 when there is none.
     """
 
@@ -28,7 +28,7 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Plans:
-    """What A solves at one tick.
+    """What the controller solves at one tick.
 
     Attributes:
         problem: of all robots.

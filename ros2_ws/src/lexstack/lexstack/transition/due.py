@@ -1,4 +1,4 @@
-"""What becomes of the requests whose tick has come: decided once a tick."""
+"""Which of the requests whose tick has come begin, wait or are dropped: decided once a tick."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Due:
     Attributes:
         tick: that is served.
         starting: those that begin, in their order, each with whom to follow.
-        waiting: those that wait, for B's first chi or for an older request of the same robots.
+        waiting: those that wait, for the solver's first chi or an older request of the same robots.
         dropped: those that cannot be served any more, each with the reason.
     """
 

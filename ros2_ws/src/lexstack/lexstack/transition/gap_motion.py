@@ -1,17 +1,17 @@
-"""What a new gap keeps of the motion in which it was latched, so that the command has no kink.
+"""What a new gap keeps of the motion at its latch, so that the acceleration does not jump.
 
 A gap that is latched while the command accelerates would begin to fade from rest: the acceleration
 would jump. The gap d(t) = chi_A - chi_S therefore begins with what is known of its motion, and the
-quintic H_1, H_2 lead its rate and its second derivative to rest in the time T of the blend:
+quintics H_1, H_2 lead its rate and its second derivative to zero in the time T of the blend:
 
     d(t) = (1 - alpha) delta + T H_1(t/T) d'(t0) + T^2 H_2(t/T) d''(t0) + tau H_1(t/tau) slip
     H_1(s) = s - 6 s^3 + 8 s^4 - 3 s^5          H_2(s) = (s^2 - 3 s^3 + 3 s^4 - s^5) / 2
 
 d' and d'' are those of the gap that was fading before. slip is what is left of the difference of
-the accelerations of A and of the source; it shows one tick after the latch, and as it is a
-difference of two messages it is led away in a short time tau. A slip that still fades when the next
-gap is latched goes on to fade beside it, in its own time: as a part of d' and d'' its curvature of
-tau would be led away in T, and drive the command far off, farther with every latch.
+the accelerations of the command and of the source; it shows one tick after the latch, and as it is
+a difference of two messages it is faded out in a short time tau. A slip that still fades when the
+next gap is latched goes on to fade beside it, in its own time: as a part of d' and d'' its
+curvature of tau would be faded out in T, and drive the command far off, farther with every latch.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from lexstack.types import Vector
 Slip = tuple[Vector, float, float]
 """A slip of a latch before, shape (n,), the time since that latch [s], and its tau [s]."""
 
-_SHORT = 0.2  # s, tau; a jump of the source by x is felt as an excursion of about 4 x at 100 Hz
+_SHORT = 0.2  # s, tau; a jump of the source by x makes an excursion of about 4 x at 100 Hz
 
 
 @dataclass(frozen=True, slots=True, eq=False)

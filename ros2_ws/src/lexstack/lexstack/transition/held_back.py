@@ -1,8 +1,8 @@
-"""Whether a stack that robots go to asks for too much where they are: it is then told, once.
+"""Whether the target stack asks for more than the velocity limits allow: reported once.
 
 A level may be regular, and solved strictly, and still ask for joint velocities beyond the limits,
 because a direction that it needs is nearly lost. The source's chi is then cut off at the velocity
-limits, and leaves them with a kink that the command can only follow within its acceleration limits.
+limits. When it leaves them its acceleration jumps, and the command follows within its own limits.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from lexstack.transition.robot_group import RobotGroup
 from lexstack.types import LinearTask, Vector
 
 HELD_BACK = 0.25
-"""m or 1: with a smaller singular value, a level that is cut off by velocity limits is told of."""
+"""m or 1: with a smaller singular value, a level that is cut off by velocity limits is reported."""
 
 _AT_LIMIT = 1.0 - 1e-6  # of a velocity limit
 _RANK = 1e-8  # of a level's norm, as in the solver

@@ -1,4 +1,4 @@
-"""What robots did until a tick at which A latches: where they would go on without it."""
+"""The motion of robots at the tick of a latch: how they would go on without it."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from lexstack.transition.gap_motion import GapMotion
 from lexstack.types import Vector
 
-HURRY = 0.0999  # s: of three latches within 0.1 s each, the last takes up no acceleration
+HURRY = 0.0999  # s: of three latches, each within 0.1 s of the next, the last takes up no mismatch
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LatchState:
-    """What A was about to do with some robots.
+    """How some robots would go on without the latch.
 
     Attributes:
-        start: chi_A, what A would send at this tick, shape (n,).
-        level_goes_on: whether level 1 asks for what it asked for before.
+        start: chi_A, the command that would be sent at this tick, shape (n,).
+        level_goes_on: whether level 1 has the same rows and targets as before.
         carry: the motion of the gap that was fading, None where there was none.
         recent: how many latches came before this one, each within ``HURRY`` of the next.
     """

@@ -1,4 +1,4 @@
-"""Robot A's transitions from stack to stack: which robots are on which way, and what comes next."""
+"""The controller's transitions from stack to stack: which robots go where, and what comes next."""
 
 from __future__ import annotations
 
@@ -32,8 +32,9 @@ from lexstack.types import Vector
 class Transition:
     """The transitions of one controller; ``step`` before its solve, ``finish`` after it.
 
-    Robots that are on the same way make a channel. A request takes its robots out of theirs, the
-    others go on; several requests for different robots are under way at the same time.
+    Robots that switch together, or that share a stack, make a channel. A request moves its robots
+    into a channel of their own; the channels of the other robots continue unchanged. So several
+    requests for different robots can be under way at the same time.
     """
 
     def __init__(
@@ -48,7 +49,7 @@ class Transition:
 
         Args:
             stacks: every stack that may be asked for, by name.
-            local: what A follows where robot B is lost.
+            local: what the controller follows where the stack solver is lost.
             options: where to start, how to go, and when a source counts as lost.
             team: the robots.
             unfit: why other stacks cannot be asked for, by name.
@@ -70,7 +71,7 @@ class Transition:
         self._asked = RequestedLimits(team.limits, always=options.limit_jerk)
         self._announcer = Announcer()
         self._tick = 0
-        self._pending: tuple[SwitchRequest, ...] = ()  # whose tick has come, B's first chi has not
+        self._pending: tuple[SwitchRequest, ...] = ()  # due, but without a first chi
         self._parts = {everyone: RobotGroup.of(team, everyone)}
         initial = stacks[options.initial].of(everyone)
         first = Channel(self._parts[everyone], (initial,), initial.name)
@@ -78,7 +79,7 @@ class Transition:
 
     @property
     def stack(self) -> str:
-        """Names of the stacks in effect; during a blend of the one that A goes to."""
+        """Names of the stacks in effect; during a blend that of its target."""
         if len(self._channels) == 1:
             return self._channels[0].target.name
         return " + ".join(dict.fromkeys(channel.target.name for channel in self._channels))
@@ -121,14 +122,14 @@ class Transition:
         self._book.set_defaults(duration, method)
 
     def request(self, stack: str) -> Answer:
-        """Ask as configured, for those who hear no answer: a refusal stands in the state."""
+        """Ask as configured, for callers that get no answer: a refusal is shown in the state."""
         answer = self.ask(stack, 0.0, "", 0)
         if not answer.accepted:
             self.note(f"refused: {answer.message}")
         return answer
 
     def note(self, reason: str) -> None:
-        """Let a reason stand in the state of all robots until their next transition."""
+        """Show a reason in the state of all robots until their next transition."""
         self._channels = tuple(replace(each, reason=reason) for each in self._channels)
 
     def cancel(self) -> Answer:
@@ -159,7 +160,7 @@ class Transition:
         return replace(answers[-1], message=text)
 
     def end(self) -> None:
-        """Let the source forget all that was asked of it: this transition is not used further."""
+        """Withdraw all that the source was asked to solve: this object is not used further."""
         self._book.clear()
         self._pending = ()
         self._channels = tuple(replace(each, blend=None) for each in self._channels)
@@ -194,7 +195,7 @@ class Transition:
         )
 
     def take_announcements(self) -> list[Announcement]:
-        """Return what the source must be told, once."""
+        """Return the announcements that the source has not got yet; each is returned once."""
         wanted: dict[int, Wanted] = {
             request.id: (request, None) for request in (*self._pending, *self._book.scheduled)
         }
@@ -218,7 +219,7 @@ class Transition:
     def due(self, tick: int, revision: int | None = None) -> Due:
         """Return which requests begin at this tick, decided once for all that is done in it.
 
-        A request waits for B's first chi, and for every older one that shares a robot with it. One
+        A request waits for the solver's first chi, and for every older one that shares a robot. One
         whose robots are coupled with others by now is dropped.
 
         Args:
@@ -267,8 +268,8 @@ class Transition:
     def step(self, due: Due, context: TickContext) -> Plans:
         """Return what the controller solves at this tick.
 
-        While the source's first solution for a new stack is awaited, its robots go on with what
-        they did, with the references of before: they change together with the stack.
+        While the source's first solution for a new stack is awaited, its robots continue with the
+        old stack and the old references: both change together.
 
         Args:
             due: of this tick.
@@ -295,7 +296,7 @@ class Transition:
         return Plans.of(plans, [channel.part.columns for channel in channels])
 
     def finish(self, plans: Plans, chi: Vector) -> tuple[TransitionState, ...]:
-        """Return what to tell of this tick, after ``chi`` (n,) was solved; adopt at the end."""
+        """Return the states to report for this tick, given its chi (n,); adopt at the end."""
         pairs = list(zip(self._channels, plans.each, strict=True))
         states = tuple(
             transition_state(channel, plan, chi, self._coming(channel), adopts=self._adopts)
@@ -310,7 +311,7 @@ class Transition:
     # ---- inside
 
     def _sample_plans(self, due: Collection[SwitchRequest], tick: int) -> None:
-        """Hear the plans that are followed, or are to be, as chi of this tick."""
+        """Sample the plans that are followed, or will be, at this tick: each enters as a chi."""
         blends = [channel.blend for channel in self._channels if channel.blend is not None]
         if not blends and not due:
             return
@@ -328,7 +329,7 @@ class Transition:
         return in_effect((*self._pending, *due)) if due else self._pending
 
     def _drop(self, request: SwitchRequest, why: str) -> None:
-        """Let the reason stand in the state of its robots that a request is not served."""
+        """Show in the state of its robots why a request is not served."""
         part = self._part(request.robots)
         reason = f"transition {request.id} to {request.stack!r} is dropped: {why}"
         self._channels = tuple(
@@ -337,7 +338,7 @@ class Transition:
         )
 
     def _begin(self, request: SwitchRequest, first: Choice, context: TickContext) -> None:
-        """Take a request's robots out of their channels, on to their way."""
+        """Move a request's robots from their channels into a new one, in a blend."""
         part = self._part(request.robots)
         touched = [each for each in self._channels if part.shares(each.part)]
         inside = [each.of(self._part(set(each.part.robots) & set(part.robots))) for each in touched]
@@ -353,13 +354,13 @@ class Transition:
         self._channels = tuple(sorted([*others, channel], key=lambda each: each.part.robots))
 
     def _needs(self, channel: Channel, tick: int, revision: int | None) -> bool:
-        """Return whether a channel in a blend waits for B's chi of this tick."""
+        """Return whether a channel in a blend waits for the solver's chi of this tick."""
         blend = channel.blend
         if blend is None or blend.alone:
             return False
         if self._sources.fresh(blend.request.id, tick, revision) is not None:
             return False
-        # Once lost, B is waited for again only after it has been heard again.
+        # A source that was lost is waited for again only after it has sent a chi again.
         return blend.source is asked_of(blend.way.target) or self._sources.answered_since(
             blend.request.id, blend.start, revision
         )
@@ -383,10 +384,10 @@ class Transition:
     def _refusal(self, stack: str, at_tick: int, robots: tuple[int, ...] | None = None) -> str:
         """Return why robots cannot go to a stack at a tick, or ''; 0 is the next one.
 
-        What is asked for until then is taken as done.
+        Requests for earlier ticks count as served.
         """
         if stack not in self._stacks:
-            return ""  # the book says what is known
+            return ""  # the request book refuses unknown stacks, and names the known ones
         part = self._part(robots or self._book.robots(stack))
         earlier = [
             request

@@ -1,4 +1,4 @@
-"""Where a transition stands, and what a source must know of it."""
+"""The state of a transition, and what its source has to solve for it."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ class Phase(IntEnum):
 
 
 class Source(Enum):
-    """Whose chi robot A follows; the values stand in messages."""
+    """Whose chi the controller follows; the values stand in messages."""
 
     NONE = ""
     ROBOT_B = "robot_b"
     HTMPC = "htmpc"
-    LOCAL = "local"  # A solves the new stack itself
+    LOCAL = "local"  # the controller solves the new stack itself
     MINIMUM_VELOCITY = "minimum_velocity"
 
     @property
@@ -36,13 +36,13 @@ class Source(Enum):
 
 @dataclass(frozen=True, slots=True)
 class TransitionState:
-    """What A tells about its transition at one tick.
+    """The state of a transition at one tick, as the controller reports it.
 
     Attributes:
         id: of the transition, 0 before the first.
-        from_stack: the stack that A came from.
-        to_stack: the stack that A goes to; when idle: the stack in effect.
-        source: whose chi A follows.
+        from_stack: the stack that the robots come from.
+        to_stack: the stack to go to; when idle: the stack in effect.
+        source: whose chi the controller follows.
         method: of the transition, empty when idle.
         phase: where it stands.
         alpha: 0 at the trigger, 1 at the end.
@@ -74,7 +74,7 @@ class SourceSample:
         tick: the tick whose state it was solved for.
         chi: shape (n,), finite.
         solved: whether every level was solved.
-        slack: the norm of level 1's residual at chi, as the source says; None where it does not.
+        slack: the norm of level 1's residual at chi, as the source reports it; None: not reported.
         robots: places in the team of those that it was solved for, the others' joints are 0; None:
             all that the stack moves.
         stack: that was solved, where only some robots were.
@@ -93,7 +93,7 @@ class SourceSample:
 
 @dataclass(frozen=True, slots=True)
 class Announcement:
-    """What A tells its source: solve this stack from a tick on, or no longer from a tick on.
+    """A message to the source: solve this stack from a tick on, or no longer from a tick on.
 
     Attributes:
         id: of the transition.
@@ -111,7 +111,7 @@ class Announcement:
 
 
 class SourceSchedule:
-    """The source's side: which announced stacks it solves at a tick."""
+    """Used by the source: which announced stacks it solves at a tick."""
 
     def __init__(self) -> None:
         """Start with nothing to solve."""
@@ -129,7 +129,7 @@ class SourceSchedule:
     def current(self, tick: int) -> tuple[Announcement, ...]:
         """Return the stacks to solve for a tick, and forget those that newer ones replace.
 
-        A newer one replaces those whose robots it moves: A goes on with it alone.
+        A newer one replaces those whose robots it moves: the controller follows it alone.
         """
         for id_ in [id_ for id_, end in self._ends.items() if end <= tick]:
             del self._ends[id_], self._active[id_]

@@ -1,4 +1,4 @@
-"""Options of transitions: what a user sets, and what a controller is told with it."""
+"""Options of transitions: what a user sets, and what a controller needs beside it."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ MethodName = Literal[  # the keys of methods.METHODS
 
 @dataclass(frozen=True, slots=True)
 class TransitionConfig:
-    """How robot A goes from one stack to another."""
+    """How the controller goes from one stack to another."""
 
     duration: float  # s, of the blend
     method: MethodName = "bridge"
     # How alpha rises; time_optimal: as fast as the joints allow, whatever the duration.
     profile: Literal["quintic", "cosine", "linear", "time_optimal"] = "quintic"
-    on_loss: Literal["local", "minimum_velocity"] = "local"  # what A follows when B is lost
-    at_end: Literal["adopt", "stay"] = "adopt"  # take the stack over, or stay with B
+    on_loss: Literal["local", "minimum_velocity"] = "local"  # what to follow if the solver is lost
+    at_end: Literal["adopt", "stay"] = "adopt"  # adopt the stack, or stay with the solver
     limits_move: float = 0.0  # s, how long position limits move that a stack changes; 0: least time
 
     def validate(self, where: str) -> None:

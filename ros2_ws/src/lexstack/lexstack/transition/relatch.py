@@ -1,8 +1,8 @@
-"""When a blend latches anew in mid-way, and how often: so that it always comes to its end.
+"""When a blend latches again before its end, and how often: so that it always ends.
 
-Every latch lets alpha begin again. A source that comes and goes, or targets that jump at every
-tick, would hold a blend up for ever. So both are counted within one blend: after ``LOSSES`` losses
-of robot B A goes on to its own solution alone, and after ``TARGETS`` sets of targets further ones
+Every latch starts alpha at 0. A source that comes and goes, or targets that jump at every tick,
+would keep a blend from its end for ever. So both are counted within one blend: after ``LOSSES``
+losses the stack solver is not followed again, and after ``TARGETS`` sets of targets further ones
 are followed within the acceleration limits, as they are without a switch.
 """
 
@@ -17,7 +17,7 @@ from lexstack.transition.sources.inbox import Choice
 from lexstack.transition.tick_context import TickContext
 from lexstack.types import LinearTask
 
-LOSSES = 3  # of robot B in one blend; from the last one on A does without it
+LOSSES = 3  # of the stack solver in one blend; after the last one it is not followed again
 TARGETS = 10  # sets of targets for which one blend begins again
 _NEVER = -1_000_000  # a tick long before the first one
 
@@ -27,11 +27,11 @@ class Tally:
     """What one blend has met so far.
 
     Attributes:
-        losses: of robot B.
+        losses: of the stack solver.
         targets: sets of targets that made it latch.
         counted: the revision of the last ones, -1 where it is not known.
-        anew: the last tick at which targets took effect at robot A; ``_NEVER``: none did, or the
-            source's chi has shown them.
+        anew: the last tick at which targets took effect in the controller; ``_NEVER``: none did, or
+            they have shown in the source's chi.
         revision: of the references that the followed chi was solved with; None: not known.
     """
 
@@ -73,12 +73,12 @@ class Tally:
     def unsteady(self, context: TickContext, choice: Choice, stale: int) -> bool:
         """Return whether a step of the source's chi at this tick may be a new reference's doing.
 
-        Where revisions are known, it is so when the chi has other ones than that of the tick
-        before. Else targets that took effect at A not long ago may show in the chi only now.
+        If both revisions are known, it is so when the chi has another one than that of the tick
+        before. Otherwise targets that took effect a few ticks ago may show in the chi only now.
 
         Args:
             context: of this tick.
-            choice: whom A follows.
+            choice: whom the controller follows.
             stale: the most ticks by which a chi may be late.
         """
         if choice.sample is None:
@@ -91,7 +91,7 @@ class Tally:
 def level_jumps(way: Route, level: tuple[LinearTask, ...], context: TickContext) -> bool:
     """Return whether new references move level 1 by more than the joints follow in one tick.
 
-    Less than that needs no bridge: a stream of small steps must not hold a transition up.
+    Less than that needs no bridge: many small steps must not keep a transition from its end.
     """
     if context.references is context.references_before:
         return False

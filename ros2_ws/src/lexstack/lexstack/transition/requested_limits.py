@@ -15,7 +15,7 @@ that keeps jerk limits."""
 
 
 class RequestedLimits:
-    """The same object while nothing changes: its users tell limits apart by identity."""
+    """The requested limits; the same object while nothing changes, as users compare identities."""
 
     def __init__(self, own: JointLimits, *, always: bool) -> None:
         """Know the robots' own limits, and whether jerk is limited ``always``."""

@@ -28,6 +28,6 @@ class Route:
     whole: bool
 
     def of(self, part: RobotGroup) -> Route:
-        """Return the way of some of its robots."""
+        """Return the route of some of its robots."""
         origin, target = self.origin.of(part.robots), self.target.of(part.robots)
         return Route(self.request, part, origin, target, whole=False)

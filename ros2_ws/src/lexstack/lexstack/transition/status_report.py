@@ -1,4 +1,4 @@
-"""What A tells of the robots of one channel, in the words of the message."""
+"""The reported state of the robots of one channel, in the words of the message."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def with_singularity(state: TransitionState, near: tuple[NearSingular, ...]) -> 
     """Return the state of a channel that serves its stack, with its levels near a singularity.
 
     In the reason, where there is no other one. Without the singular values, which change from tick
-    to tick: a reason that stays the same is told once.
+    to tick: a reason that stays the same is reported once.
     """
     if not near or state.phase is not Phase.IDLE or state.reason:
         return state
@@ -45,8 +45,8 @@ def transition_state(
         channel: before it adopts.
         plan: of this tick.
         chi: that was solved, shape (n,).
-        coming: a request that will take its robots, and whether it is requested or preparing.
-        adopts: whether A takes a stack over at the end.
+        coming: the next request for any of its robots, and whether it is requested or preparing.
+        adopts: whether the controller adopts the stack at the end.
     """
     blend, names = channel.blend, channel.part.names
     if blend is None:

@@ -1,1 +1,1 @@
-"""Channels: robots that are on one stack, or on the same way to one."""
+"""Channels: robots that share a stack, or switch to one together."""

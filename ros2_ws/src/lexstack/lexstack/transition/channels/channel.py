@@ -1,4 +1,4 @@
-"""Some robots that are on one stack, or on their way to one: a value, advanced once a tick."""
+"""Some robots that share a stack, or switch to one together: a value, advanced once a tick."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Channel:
         used: the references of the tick before.
         blend: under way, None when they serve their stack.
         reason: why it is so, where it is not as asked.
-        aborted: why the last transition was given up, to be told once.
+        aborted: why the last transition was given up, to be reported once.
     """
 
     part: RobotGroup
@@ -78,7 +78,7 @@ class Channel:
     # ---- the tick
 
     def step(self, context: TickContext, sources: Sources, *, adopts: bool) -> tuple[Channel, Plan]:
-        """Return what A solves for these robots at this tick, and the channel after it."""
+        """Return what is solved for these robots at this tick, and the channel after it."""
         if self.blend is None:
             levels = self.target.linearise(context.kinematics, context.references)
             plan = Plan(HqpProblem(levels, context.bounds), None, 1.0)
@@ -89,7 +89,7 @@ class Channel:
     def _go_on(
         self, blend: Blend, context: TickContext, sources: Sources, *, adopts: bool
     ) -> tuple[Channel, Plan]:
-        """Return what A solves in a blend; latch anew where the source or level 1 changed."""
+        """Return what is solved in a blend; latch again where the source or level 1 changed."""
         target, tick = blend.way.target, context.tick
         adopts = adopts and not target.planned
         level = target.first(context.kinematics, context.references)
@@ -125,7 +125,7 @@ class Channel:
         *,
         unsteady: bool,
     ) -> Blend:
-        """Return the blend, latched anew where what it goes to is no longer what it was.
+        """Return the blend, latched again where its target has changed.
 
         Args:
             blend: under way.
@@ -147,7 +147,7 @@ class Channel:
         if choice.source is Source.HTMPC and self._begins_here(chi, context):
             past = LatchState(chi, past.level_goes_on, None)
         latched = Blend.latched(blend.way, (choice.source, chi), level, past, context)
-        # Who goes on as before is taken to move as before, until that is known; but not for ever.
+        # A source that stays is assumed to move as before, until its step is known; not for ever.
         drift = blend.drift if choice.source is blend.source and not past.recent else None
         return replace(latched, drift=drift, alone=blend.alone, tally=tally)
 
@@ -155,7 +155,7 @@ class Channel:
         """Return whether a plan that is back begins where these robots are, at chi (n,) now.
 
         Then there is no gap to fade. One that was latched would come back with every plan, as each
-        begins at A's command.
+        begins at the command.
         """
         gap = np.abs(chi - context.kinematics.state.command) <= _NEAR * context.reach
         return bool(gap[self.part.columns].all())
@@ -168,7 +168,7 @@ class Channel:
         target, aborted = blend.way.target, ""
         if blend.source is Source.MINIMUM_VELOCITY:
             target, aborted = sources.at_rest(target), f"{self.reason}; at rest"
-        told = blend.alone and not blend.tally.losses  # of the blend from B to A that is over
+        told = blend.alone and not blend.tally.losses  # of the blend to the own optimum, now over
         reason = "" if told else self.reason
         return replace(self, adopted=(target,), blend=None, aborted=aborted, reason=reason)
 
@@ -176,10 +176,10 @@ class Channel:
 def _followed(
     blend: Blend, level: tuple[LinearTask, ...], context: TickContext, sources: Sources
 ) -> tuple[Choice, Blend]:
-    """Return whom a blend follows at this tick, and the blend with a loss of B counted."""
+    """Return whom a blend follows at this tick, and the blend with a loss of the solver counted."""
     if blend.alone:
         return Choice(blend.source), blend
-    # A part of a stack cannot be compared with what B says of the whole.
+    # The solver reports the residual of the whole stack: that of a part cannot be compared.
     known = level if blend.way.whole else ()
     asked = asked_of(blend.way.target)
     choice = sources.present(blend.source, blend.request.id, context, known, asked)
@@ -204,7 +204,7 @@ def _held_back(blend: Blend, context: TickContext) -> str:
 
 
 def asked_of(stack: Stack) -> Source:
-    """Return who is to solve a stack for A."""
+    """Return who is to solve a stack for the controller."""
     return Source.HTMPC if stack.planned else Source.ROBOT_B
 
 
@@ -214,15 +214,15 @@ def past_of(
     duration: float,
     context: TickContext,
 ) -> LatchState:
-    """Return it for robots that were on one channel or on several.
+    """Return the latch state of robots that were on one channel or on several.
 
-    A stack that A serves alone gives its optimum of this tick: the motion then goes on as it
-    was, where the last command would stand still for a tick. In a blend the command goes on by
-    what the blend would have moved it.
+    Without a blend it is the optimum of the stack at this tick: the motion then goes on as it was,
+    where the last command would keep its velocity for a tick. In a blend it is the last command,
+    moved on by the step that the blend would have made.
 
     Args:
         channels: that the robots were on; no others are on them.
-        level: level 1 of the stack that A goes to, at this tick.
+        level: level 1 of the target stack at this tick.
         duration: of the blend to come [s].
         context: of this tick.
     """
@@ -256,11 +256,11 @@ def past_of(
 
 
 def _at_end(blend: Blend, own: Vector, tick: int, context: TickContext) -> tuple[Blend, str]:
-    """Return how A goes on at the end, and why if not as it is: where its own optimum is not B's.
+    """Return the blend at its end, and why it changes: if the own optimum is not the solver's.
 
     Args:
         blend: whose alpha is 1.
-        own: A's own optimum of this tick, shape (n,).
+        own: the controller's own optimum of this tick, shape (n,).
         tick: this one.
         context: of this tick.
     """

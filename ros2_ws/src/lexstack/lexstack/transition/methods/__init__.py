@@ -26,6 +26,6 @@ BRIDGES = frozenset({"bridge", "bridge_jerk"})
 """Those that fade a gap out wherever it comes from: also one that is left at the end."""
 
 JERK_LIMITED = frozenset({"bridge_jerk"})
-"""Those during which A's box keeps jerk limits too."""
+"""Those during which the controller's box keeps jerk limits too."""
 
 __all__ = ["BRIDGES", "JERK_LIMITED", "METHODS", "Levels", "Method", "View"]

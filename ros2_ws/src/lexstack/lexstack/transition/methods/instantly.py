@@ -13,5 +13,5 @@ def instant(view: View, _latched: Bridge, _alpha: float) -> HqpProblem:
 
 
 def instant_limited(view: View, _latched: Bridge, _alpha: float) -> HqpProblem:
-    """Return the new stack within A's own box: the strong baseline, smooth by its limits alone."""
+    """Return the new stack within the command's box: the strong baseline, smooth by limits."""
     return HqpProblem(view.new(), view.context.bounds)

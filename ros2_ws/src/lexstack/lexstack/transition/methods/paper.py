@@ -26,7 +26,7 @@ def t37(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
 def t34(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     """Return T(34): level 1, then the source, in a box that goes from the last tick's to the new.
 
-    The new box is that of T(35), without acceleration limits, as robot B has it. Where the limits
+    The new box is that of T(35), without acceleration limits, as in the solver. Where the limits
     do not change, neither does the box: the method then has no effect.
     """
     levels = below(view.first, view.part.follow(view.source))
@@ -38,7 +38,7 @@ def t34(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
 def t34_limited(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     """Return T(34) read in its strongest form: with the acceleration limits of T(31) in both boxes.
 
-    The new box is A's own, and the blend never leaves it: so it is never empty, and every change of
+    The new box is the command's, and the blend stays in it: it is never empty, and every change of
     the command stays within the acceleration limits.
     """
     box, own = _between(view.context.bounds_before, view.context.bounds, alpha), view.context.bounds

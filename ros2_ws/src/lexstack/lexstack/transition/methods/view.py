@@ -19,11 +19,11 @@ class View:
     """One tick of a blend. What only some methods need is a function, called by those alone.
 
     Attributes:
-        part: the robots that are on their way; all levels below are theirs.
+        part: the robots that switch; all levels below are theirs.
         first: level 1 of the new stack.
         source: chi_S, the source's optimum of the new stack, shape (n,).
         new: all levels of the new stack.
-        old: all levels of the stack that A comes from.
+        old: all levels of the stack that the robots come from.
         context: of this tick.
     """
 
@@ -35,7 +35,7 @@ class View:
     context: TickContext
 
 
-# (this tick, what was latched at the trigger, alpha in [0, 1]) -> what A solves
+# (this tick, what was latched at the trigger, alpha in [0, 1]) -> what the controller solves
 Method = Callable[[View, Bridge, float], HqpProblem]
 """A transition method. At alpha = 1 its problem's optimum is the source's, within the bounds."""
 

@@ -1,4 +1,4 @@
-"""What A has told its source, and what it must tell it next."""
+"""Which announcements were sent to the source, and which have to be sent next."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from lexstack.transition.messages import Announcement
 from lexstack.transition.requests import SwitchRequest
 
 Wanted = tuple[SwitchRequest, int | None]
-"""A request whose stack the source shall solve, and the first tick for which no longer."""
+"""A request whose stack the source shall solve, and the first tick that it is not needed for."""
 
 
 class Announcer:
-    """Tells every change once."""
+    """Returns every change once."""
 
     def __init__(self) -> None:
-        """Start with nothing told."""
+        """Start with nothing announced."""
         self._told: dict[int, Wanted] = {}
 
     def changes(self, wanted: Mapping[int, Wanted]) -> list[Announcement]:

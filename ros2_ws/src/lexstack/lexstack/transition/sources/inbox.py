@@ -1,4 +1,4 @@
-"""Whose chi robot A follows: robot B's while it is fresh, else A's own stand-in."""
+"""Whose chi the controller follows: the stack solver's while it is fresh, else a substitute's."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _EVIDENCE = 10  # chi in a row that miss level 1, in realtime
 
 
 class LocalSource(Protocol):
-    """A's own stand-in for robot B."""
+    """The controller's own substitute for the stack solver."""
 
     def solve(self, stack: Stack, kinematics: Kinematics, references: References) -> Solution:
         """Return the optimum of a stack, its chi of shape (n,); a failure is a value."""
@@ -36,12 +36,12 @@ class LocalSource(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Whom A follows at a tick.
+    """Whom the controller follows at a tick.
 
     Attributes:
         source: whose chi.
         why: the reason where it is not who was followed before, else ''.
-        sample: the chi of robot B or the MPC; None where A makes its own.
+        sample: the chi of the stack solver or the MPC; None where the controller makes its own.
     """
 
     source: Source
@@ -55,10 +55,10 @@ class Choice:
 
 
 class Sources:
-    """Robot B as it is heard, and what stands in for it."""
+    """The samples of the stack solver and the MPC, and what replaces them when they are lost."""
 
     def __init__(self, local: LocalSource, options: TransitionOptions) -> None:
-        """Know the stand-in, and from the options when B counts as lost."""
+        """Take the substitute, and from the options when a source counts as lost."""
         self._local = local
         self._lost = Source(options.switch.on_loss)
         self._inbox = Inbox()
@@ -66,11 +66,11 @@ class Sources:
         self._lockstep = lockstep = options.lockstep
         self._patience = 0 if lockstep else options.patience
         self.stale = 0 if lockstep else options.stale
-        """The most ticks by which B's chi may be late."""
+        """The most ticks by which a source's chi may be late."""
         self._witness = ResidualCheck(self.stale, 1 if lockstep else _EVIDENCE)
 
     def hear(self, sample: SourceSample) -> None:
-        """Take a chi of robot B; the newest by its tick counts, whenever it arrives."""
+        """Take a chi of a source; the newest by its tick counts, whenever it arrives."""
         self._inbox.put(sample)
 
     def keep(self, transition_ids: Collection[int]) -> None:
@@ -81,7 +81,7 @@ class Sources:
     def fresh(
         self, transition_id: int, tick: int, revision: int | None = None
     ) -> SourceSample | None:
-        """Return B's chi for a transition if it is new enough for this tick, else None.
+        """Return the source's chi for a transition if it is new enough for this tick, else None.
 
         Args:
             transition_id: of the request that it answers.
@@ -97,7 +97,7 @@ class Sources:
         return heard
 
     def answered_since(self, transition_id: int, tick: int, revision: int | None = None) -> bool:
-        """Return whether B has solved for a transition at a later tick than this one.
+        """Return whether the source has solved for a transition at a later tick than this one.
 
         With other references than the ``revision`` in effect it has not: whoever answers with wrong
         ones would be waited for at every tick.
@@ -130,7 +130,7 @@ class Sources:
         return None
 
     def checked(self, first: Choice, context: TickContext, level: Rows) -> Choice:
-        """Return the first choice, or A's own where the chi is not what it claims to be.
+        """Return the first choice, or the substitute if the chi is not of the tick that it names.
 
         ``level`` is level 1 of the new stack at this tick; empty: there is nothing to compare with.
         """
@@ -181,26 +181,26 @@ class Sources:
         return np.zeros_like(context.kinematics.state.command)
 
     def own(self, stack: Stack, context: TickContext) -> Vector:
-        """Return A's own optimum of a stack, shape (n,).
+        """Return the controller's own optimum of a stack, shape (n,).
 
-        Where it cannot be solved the robots hold what they do, and the context tells of it.
+        Where it cannot be solved, the last command is held, and the context reports it.
         """
         solution = self._local.solve(stack, context.kinematics, context.references)
         reason = "" if solution.solved else solution.reason
         return context.held(f"stack {stack.name!r}: {reason}") if reason else solution.chi
 
     def at_rest(self, stack: Stack) -> Stack:
-        """Return the stack that A adopts when it has come to minimum velocity."""
+        """Return the stack that is adopted once the command has come to minimum velocity."""
         return self._local.at_rest(stack)
 
 
 def _wrong(tick: int, miss: float, instead: Source) -> str:
-    """Return what is said of a chi that is not what it claims to be."""
+    """Return the reason to report for a chi that is not of the tick that it names."""
     return f"robot B's chi at tick {tick} misses level 1 by {miss:.2g}: {_instead(instead)}"
 
 
 def _instead(source: Source, asked: Source = Source.ROBOT_B) -> str:
-    """Return what A follows in place of the source that was asked, in words."""
+    """Return what is followed in place of the source that was asked, in words."""
     if asked is Source.HTMPC:
         return "the robots come to rest"
     if source is Source.LOCAL:

@@ -1,4 +1,4 @@
-"""Plans of the HTMPC as robot A hears them, sampled at its ticks: they enter like robot B's chi."""
+"""Plans of the HTMPC, sampled at the controller's ticks: they enter like the solver's chi."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a source's chi is of the tick that it names: A knows level 1 of that tick too."""
+"""Whether a source's chi is of the tick that it names, by the residual of level 1 at that tick."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ROUNDING = 1e-6  # relative and absolute, of the norm of level 1's residual
 class _Seen:
     """What is known of one transition."""
 
-    # Level 1 of A's last ticks, and the revision of the references it was made with.
+    # Level 1 of the controller's last ticks, and the revision of the references it was made with.
     levels: dict[int, tuple[Rows, int | None]] = field(default_factory=dict)
     clear: int = 0  # chi of earlier ticks may have other references
     judged: int = -1  # the last tick whose chi was compared
@@ -26,10 +26,10 @@ class _Seen:
 
 
 class ResidualCheck:
-    """Compares what a chi leaves of level 1 with what its source says of it.
+    """Compares the level-1 residual of a chi with the one that its source reports.
 
-    A and its source linearise level 1 at the same state: the same norm must come out, unless the
-    chi is of another tick, as of a source that is frozen.
+    Controller and source linearise level 1 at the same state, so both residuals must have the same
+    norm, unless the chi is of another tick, as that of a source that is frozen.
     """
 
     def __init__(self, memory: int, patience: int) -> None:
@@ -56,7 +56,7 @@ class ResidualCheck:
         anew: bool = False,
         revision: int | None = None,
     ) -> float:
-        """Return by how much a source's chi misses what it says of level 1; 0: as far as known.
+        """Return by how much a chi's level-1 residual is off the reported one; 0: as far as known.
 
         A chi is compared with the rows of its tick if both were made with the same revision of the
         references. Where a revision is not known, or is another one, the chi is compared only
