@@ -6,7 +6,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from lexstack.transition import MAX_SCHEDULED, PROFILES, Announcement, SourceSchedule, alpha
+from lexstack.transition import (
+    MAX_SCHEDULED,
+    PROFILES,
+    Announcement,
+    SourceSchedule,
+    alpha,
+    quintic,
+)
 from lexstack.transition.bridge import bridged, goes_on, latch
 from lexstack.transition.requests import RequestBook
 from lexstack.types import LinearTask
@@ -15,7 +22,7 @@ from support.scenario import resolved
 RNG = np.random.default_rng(3)
 
 
-@pytest.mark.parametrize("name", PROFILES)
+@pytest.mark.parametrize("name", [name for name in PROFILES if name != "time_optimal"])
 def test_profiles_rise_from_0_to_1_and_stay(name):
     values = [alpha(name, t, 2.0) for t in np.linspace(-1.0, 3.0, 401)]
     assert values[0] == values[100] == 0.0
@@ -25,10 +32,15 @@ def test_profiles_rise_from_0_to_1_and_stay(name):
     assert alpha(name, 1.0, 2.0) == pytest.approx(0.5)
 
 
+def test_the_fastest_profile_is_not_known_ahead():
+    with pytest.raises(TypeError, match="time_optimal: its alpha is not known ahead"):
+        alpha("time_optimal", 0.5, 1.0)
+
+
 def test_the_quintic_starts_and_ends_without_acceleration():
     h = 1e-4
     for s in (0.0, 1.0 - 2 * h):
-        a, b, c = (PROFILES["quintic"](s + k * h) for k in range(3))
+        a, b, c = (quintic(s + k * h) for k in range(3))
         assert abs(c - 2 * b + a) / h**2 < 0.05  # 10 pi^2 / ... of the cosine: 4.9
         assert abs(b - a) / h < 1e-5
 

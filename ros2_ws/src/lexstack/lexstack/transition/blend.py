@@ -13,13 +13,13 @@ from lexstack.transition.gap_motion import GapMotion
 from lexstack.transition.latch_state import LatchState
 from lexstack.transition.messages import Source
 from lexstack.transition.methods import METHODS, View
-from lexstack.transition.profiles import alpha
+from lexstack.transition.profiles import PROFILES, TimedProfile, alpha
 from lexstack.transition.relatch import Tally
 from lexstack.transition.requests import SwitchRequest
 from lexstack.transition.robot_group import RobotGroup
 from lexstack.transition.route import Route
 from lexstack.transition.tick_context import TickContext
-from lexstack.transition.time_optimal import Progress, advanced
+from lexstack.transition.time_optimal import FadingGap, Progress
 from lexstack.types import LinearTask, Vector
 
 _START = Progress()
@@ -165,17 +165,9 @@ class Blend:
         if tick == self.start:
             return replace(self, source_chi=chi)
         drift, elapsed = chi - self.source_chi, (tick - self.start) * context.dt
-        if self.request.profile == "time_optimal":
-            mine, limits = self.way.part.columns, context.limits
-            progress = advanced(
-                self.progress,
-                self.bridge.delta[mine],
-                drift[mine] / context.dt,
-                (limits.acceleration[mine], limits.jerk[mine]),
-                context.dt,
-            )
-        else:
-            progress = Progress(alpha(self.request.profile, elapsed, self.duration))
+        progress = PROFILES[self.request.profile].advanced(
+            self.progress, elapsed, self.duration, lambda: self._fading(drift, context)
+        )
         carry, bridge = self.carry, self.bridge
         if tick == self.start + 1 and self.recent <= _PAIR and not unsteady:
             carry = self._with_slip(drift, context)
@@ -201,10 +193,9 @@ class Blend:
 
     def over_at(self, tick: int, context: TickContext) -> bool:
         """Return whether alpha is 1 at the next tick, if the source stays where it is."""
-        if self.request.profile == "time_optimal":
+        if self._timed is None:
             return self.advanced(self.source_chi, tick, context).progress.alpha >= 1.0
-        elapsed = (tick - self.start) * context.dt
-        return alpha(self.request.profile, elapsed, self.duration) >= 1.0
+        return self._timed.alpha((tick - self.start) * context.dt, self.duration) >= 1.0
 
     def left(
         self, tick: int, duration: float, context: TickContext
@@ -227,8 +218,8 @@ class Blend:
         # blend, so it is taken to move as it did in the tick before.
         step = np.zeros_like(self.step) if self.drift is None else self.drift
         carry = None
-        # ``time_optimal`` has no d(t) that is known ahead: it keeps nothing, and begins from rest.
-        if self.request.profile != "time_optimal":
+        # Without a d(t) that is known ahead nothing is kept: the next blend begins from rest.
+        if self._timed is not None:
             times = tuple((tick + k - self.start) * context.dt for k in (-1, 0, 1))
             # The gap's part of the step, with all that is in the gap.
             step = step + self._gap(times[1]) - self._gap(times[0])
@@ -267,6 +258,18 @@ class Blend:
             return (way.part.follow(self.source_chi),)
         return way.target.linearise(context.kinematics, context.references)
 
+    @property
+    def _timed(self) -> TimedProfile | None:
+        """The profile, where its alpha is known ahead."""
+        profile = PROFILES[self.request.profile]
+        return profile if isinstance(profile, TimedProfile) else None
+
+    def _fading(self, drift: Vector, context: TickContext) -> FadingGap:
+        """Return the gap of the robots that are on their way, and their limits."""
+        mine, limits = self.way.part.columns, context.limits
+        motion = self.bridge.delta[mine], drift[mine] / context.dt
+        return FadingGap(*motion, limits.acceleration[mine], limits.jerk[mine], context.dt)
+
     def _gap(self, elapsed: float) -> Vector:
         """Return the gap after ``elapsed`` seconds, shape (n,)."""
         gap = (1.0 - alpha(self.request.profile, elapsed, self.duration)) * self.bridge.delta
@@ -279,7 +282,7 @@ class Blend:
 
     def _with_slip(self, drift: Vector, context: TickContext) -> GapMotion | None:
         """Return the motion of the gap, now that the source's step from tick to tick is known."""
-        if self.request.profile == "time_optimal":
+        if self._timed is None:
             return None
         # At the latch the command moved by ``step``, and the source now moves by ``drift``: over dt
         # their difference is the gap's rate. What ``carry`` has of it already is taken off.

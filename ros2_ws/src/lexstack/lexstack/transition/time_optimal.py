@@ -25,9 +25,26 @@ class Progress:
     rate: float = 0.0
 
 
-def advanced(
-    progress: Progress, delta: Vector, drift: Vector, limits: tuple[Vector, Vector], dt: float
-) -> Progress:
+@dataclass(frozen=True, slots=True)
+class FadingGap:
+    """What fades in a blend, and how fast the joints may let it.
+
+    Attributes:
+        delta: the gap that was latched, shape (n,), m/s and rad/s.
+        drift: d chi_S/dt, shape (n,), m/s^2 and rad/s^2.
+        acceleration: limits of the joints, shape (n,), m/s^2 and rad/s^2.
+        jerk: the same, m/s^3 and rad/s^3.
+        dt: control period [s].
+    """
+
+    delta: Vector
+    drift: Vector
+    acceleration: Vector
+    jerk: Vector
+    dt: float
+
+
+def advanced(progress: Progress, fading: FadingGap) -> Progress:
     """Return the progress one tick later, as fast as every joint allows.
 
     The command chi_S + (1 - alpha) delta accelerates by d chi_S/dt - alpha' delta. With what the
@@ -39,15 +56,12 @@ def advanced(
 
     Args:
         progress: of the tick before.
-        delta: the gap that was latched, shape (n,), m/s and rad/s.
-        drift: d chi_S/dt, shape (n,), m/s^2 and rad/s^2.
-        limits: acceleration and jerk of the joints, shape (n,) each.
-        dt: control period [s].
+        fading: the gap, and the limits.
     """
-    acceleration, jerk = limits
-    gap = np.maximum(np.abs(delta), 1e-9)
-    fastest = float(np.min(np.maximum(acceleration - np.abs(drift), 0.0) / gap))
-    change = float(np.min(jerk / gap))
+    gap, dt = np.maximum(np.abs(fading.delta), 1e-9), fading.dt
+    spare = np.maximum(fading.acceleration - np.abs(fading.drift), 0.0)
+    fastest = float(np.min(spare / gap))
+    change = float(np.min(fading.jerk / gap))
     if not np.isfinite(change):
         change = 1e9
     room = 1.0 - progress.alpha
