@@ -1,1 +1,1 @@
-"""MuJoCo plant with joint impedance control, and its ROS 2 node."""
+"""MuJoCo plant with joint impedance control, and pictures of it; without ROS."""

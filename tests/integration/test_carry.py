@@ -1,4 +1,4 @@
-"""Two robots carry one object through a switch: core and MuJoCo plant in one process."""
+"""Two robots carry one object through a switch: library and MuJoCo plant in one process."""
 
 import numpy as np
 import pytest

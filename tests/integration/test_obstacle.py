@@ -1,4 +1,4 @@
-"""Scenario obstacle: core and MuJoCo plant in one process, measured at what can touch."""
+"""Scenario obstacle: library and MuJoCo plant in one process, measured at what can touch."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""The paper's task sequence in one process: core and MuJoCo plant, without ROS."""
+"""The paper's task sequence in one process: library and MuJoCo plant, without ROS."""
 
 import numpy as np
 import pytest

@@ -7,7 +7,7 @@ PACKAGE = "lexstack_bag"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Recordings of lexstack: rosbag2 MCAP writer and reader, metrics and report.",
+    description="Recordings of lexstack: rosbag2 MCAP writer and reader, metrics, report, replay.",
     license="Apache-2.0",
     maintainer="The lexstack authors",
     maintainer_email="lexstack@users.noreply.github.com",

@@ -7,7 +7,7 @@ PACKAGE = "lexstack_experiments"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Experiments and benches of lexstack: core and plant in one process.",
+    description="Experiments and benches of lexstack: library and plant in one process.",
     license="Apache-2.0",
     maintainer="The lexstack authors",
     maintainer_email="lexstack@users.noreply.github.com",

@@ -7,7 +7,7 @@ PACKAGE = "lexstack_ros"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="ROS 2 nodes of lexstack: HQP controller, stack solver and recorder.",
+    description="ROS 2 nodes of lexstack: controller, stack solver, MPC, recorder, live page.",
     license="Apache-2.0",
     maintainer="The lexstack authors",
     maintainer_email="lexstack@users.noreply.github.com",

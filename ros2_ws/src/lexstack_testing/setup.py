@@ -7,7 +7,7 @@ PACKAGE = "lexstack_testing"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Faults, loads and several hosts on one machine, for tests and experiments.",
+    description="Runs, faults, loads, several hosts on one machine: for tests and experiments.",
     license="Apache-2.0",
     maintainer="The lexstack authors",
     maintainer_email="lexstack@users.noreply.github.com",

@@ -1,4 +1,4 @@
-"""The seam between messages and the core: nothing that does not fit gets through."""
+"""The seam between messages and the library: nothing that does not fit gets through."""
 
 import numpy as np
 import pytest

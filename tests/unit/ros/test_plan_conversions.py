@@ -1,4 +1,4 @@
-"""Plans and sequences between messages and core: what goes in comes out, the rest is refused."""
+"""Plans and sequences between messages and library: what goes in comes out, the rest is refused."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""Obstacles in MuJoCo: where the core has them, in the way, and seen by what measures distance."""
+"""Obstacles in MuJoCo: where the library has them, in the way, seen by what measures distance."""
 
 import dataclasses
 import itertools

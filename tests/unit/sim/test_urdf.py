@@ -1,4 +1,4 @@
-"""The robots' URDF is the model that plant and core use."""
+"""The robots' URDF is the model that plant and library use."""
 
 from __future__ import annotations
 

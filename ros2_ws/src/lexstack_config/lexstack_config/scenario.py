@@ -62,7 +62,7 @@ class TimeoutsConfig:
     source_patience: float = 0.5  # s of simulated time that A waits for B's first chi (realtime)
     plan_stale: float = 0.25  # s of simulated time after which a plan is stale (realtime)
     command_wall: float = 2.0  # s of wall time that the bridge waits for a command (lockstep)
-    watchdog: float = 0.1  # s of simulated time without a command after which the bases brake
+    watchdog: float = 0.1  # s of simulated time without a command after which all joints brake
     target_horizon: float = 60.0  # s of simulated time that a target's stamp may be ahead
 
     def validate(self, where: str) -> None:

@@ -1,1 +1,1 @@
-"""Experiments with core and plant in one process; without rclpy."""
+"""Experiments with library and plant in one process; without rclpy."""

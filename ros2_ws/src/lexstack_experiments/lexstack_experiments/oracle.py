@@ -14,7 +14,7 @@ _SMALL = 1e-9  # m/s and rad/s: a residual below it needs no oracle, its excess 
 def level_excess(level: tuple[LinearTask, ...], chi: Vector, bounds: Bounds) -> float:
     """Return the norm of a level's residual at chi minus the least within the box, m/s and rad/s.
 
-    scipy's bounded-variable least squares shares no code with the solvers of the core.
+    scipy's bounded-variable least squares shares no code with the solvers of the library.
 
     Args:
         level: equality tasks.

@@ -1,1 +1,1 @@
-"""ROS 2 nodes of lexstack: the seam between messages and the core."""
+"""ROS 2 nodes of lexstack: the seam between messages and the library."""

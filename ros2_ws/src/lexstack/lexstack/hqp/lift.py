@@ -4,7 +4,7 @@ Along a direction d with the singular value s of the level's rows the true secon
 s^2 + d^T B d. Out of reach s goes to 0 while B stays positive: Gauss-Newton then wants velocities
 without limit, and whatever bounds them makes it swing. In the free directions Z of the level,
 
-    J Z = U S V^T        d_i = Z v_i        e = b / K, the error as the task has saturated it
+    J Z = U S V^T        d_i = Z v_i        e: the error, scaled to the length of b / K
     need_i = max(0, d_i^T B(e) d_i) max(0, 1 - s_i^2 / SINGULAR^2)
     a_i    = clip((1 - s_i^2 / need_i - LATE) / (1 - LATE), 0, 1)
     e'     = e - U (1 - a) U^T e                   the part that nothing can reduce
@@ -12,8 +12,10 @@ without limit, and whatever bounds them makes it swing. In the free directions Z
     R1 = sqrt(L) W^T Z^T                           of the eigenvalues above a part of |e|
     R2_i = sqrt(max(0, need_i - s_i^2 - |R1 d_i|^2)) d_i^T
 
-and the level becomes [J; R1; R2] chi -> [b; 0; 0]. R2 lifts what the level itself asks for beyond
-its means, R1 keeps the levels below off the directions that cost it at second order.
+and a level of linear tasks becomes [J; R1; R2] chi -> [b; 0; 0]. Of curved tasks the error is
+saturated without its lost part, K (sat(e - e') + e'), and ``valley`` has the targets. R2 makes the
+step along a lost direction Newton's, R1 keeps the levels below off the directions that cost it at
+second order.
 
 The B of a level is that of its Lagrangian: what the levels above bend counts too, by their
 multipliers lambda = (G G^T + reg I)^-1 G J^T e, with G the rows above, those that were added to

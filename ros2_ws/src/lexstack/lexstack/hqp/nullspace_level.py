@@ -1,4 +1,4 @@
-"""A level seen from the free directions: its rows, and the walls that it must not leave."""
+"""A level seen from the free directions: its rows, and the constraints it inherits."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """From the optimum of bands solved like levels to that of the levels whose bands they are.
 
 The cascade solves one band after the other, as if each were infinitely larger than the next one.
-Where a level is met that is its optimum. Where it is not, the chain of `exchange.py` finds the
+Where a level is met that is its optimum. Where it is not, the chain of `active_set.py` finds the
 optimum from the active set of the cascade's; and if it does not, the answer is refused, except
 where the bands differ so much that nobody could tell.
 """

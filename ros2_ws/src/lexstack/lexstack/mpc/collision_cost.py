@@ -45,7 +45,7 @@ class CollisionScene:
 
 
 class Collisions:
-    """The barriers of all pairs of the robot's spheres with surroundings and floor."""
+    """The barriers of all pairs of the robot's spheres with the scene and the floor."""
 
     def __init__(
         self, config: CollisionConfig, model: StageModel, around: CollisionScene | None

@@ -1,4 +1,4 @@
-"""HTMPC, Algorithm 2: levels in order, each guarded against by those below it."""
+"""HTMPC, Algorithm 2: levels in order, none of which may spoil one above it."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class _Rows:
 
 
 class Level:
-    """One task below its guards.
+    """One task, within the constraints of the levels above.
 
     Attributes:
         holding: what held in the last QP, or at first what probably will.

@@ -1,4 +1,4 @@
-"""CollisionAvoidance to obstacles and other robots: an inequality on the speed of approach.
+"""Distances to obstacles and other robots: an inequality on the speed of approach.
 
 A pair is a sphere of the robot, center c_i, and an obstacle, or a sphere of another robot or of the
 robot itself, center c_j. With n = (c_i - c_j) / |c_i - c_j|, and r = |c_i - c_j| - r_i - r_j -

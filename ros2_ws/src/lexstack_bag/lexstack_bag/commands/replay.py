@@ -1,4 +1,4 @@
-"""Replays a bag: the recorded states, references and requests go through the same core again.
+"""Replays a bag: recorded states, references and requests go through the same library code again.
 
 Without changes each chi must be the recorded one, bit by bit: the first tick that is not, is told.
 With changes it answers what the nodes would have done at the recorded states: the motion stays the

@@ -1,1 +1,1 @@
-"""Replay: what a bag holds goes through the controllers' core again."""
+"""Replay: what a bag holds goes through the nodes' library code again."""

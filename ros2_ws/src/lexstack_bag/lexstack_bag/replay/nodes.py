@@ -1,4 +1,4 @@
-"""The nodes' core, fed with what a bag says that the nodes met.
+"""The nodes' library code, fed with what a bag says that the nodes met.
 
 Open loop: the motion is the recorded one, whatever the replayed chi would have made of it. Without
 changes the whole state is the recorded one. With changes the command in force is what the replay

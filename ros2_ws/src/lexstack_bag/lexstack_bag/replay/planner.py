@@ -1,4 +1,4 @@
-"""The HTMPC's core, fed with the recorded states, sequences and changes: the same plans?
+"""The MPC of the library, fed with the recorded states, sequences and changes: the same plans?
 
 Open loop, as for the other nodes: every plan begins at its recorded state, also with changes. What
 a solve takes from the one before it is the replayed one.

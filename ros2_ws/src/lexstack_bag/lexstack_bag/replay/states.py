@@ -1,4 +1,4 @@
-"""The recorded states as the core takes them, and when each message counted."""
+"""The recorded states as the library takes them, and when each message counted."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def _goals(run: Run) -> tuple[References, ...]:
 
 
 def scheduled(target: Target, team: Team) -> ScheduledTarget:
-    """Return a recorded target as the core takes it."""
+    """Return a recorded target as the library takes it."""
     rotation = from_quaternion(target.quaternion)
     robot = team.index(target.robot)
     if target.kind == "ee":

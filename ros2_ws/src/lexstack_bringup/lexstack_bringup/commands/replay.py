@@ -1,4 +1,4 @@
-"""``scripts/replay``: a bag through the core again, or with ``--publish`` to live nodes."""
+"""``scripts/replay``: a bag through the library again, or with ``--publish`` to live nodes."""
 
 from __future__ import annotations
 

@@ -109,7 +109,7 @@ def follow_htmpc(
 def follow_htidkc(
     controller: Htidkc, q: Vector, tracks: tuple[Track, ...], seconds: float
 ) -> Record:
-    """Follow tracks from rest at q; a failed solve brakes as the core does, and is counted."""
+    """Follow tracks from rest at q; a failed solve brakes as the controller would, and counts."""
     step, begin = controller.period, q
     v, solves = np.zeros_like(q), list[Solve]()
     for k in range(round(seconds / step)):

@@ -1,7 +1,7 @@
 """The paper's task sequence, T Figs. 5 to 8, in the MuJoCo plant with its impedance loop.
 
-Measured poses, one process, the same core as in the nodes. Beside the bridge runs the strong
-baseline: the new stack at once, within the same acceleration limits.
+Measured poses, one process, the same library code as in the nodes. Beside the bridge runs the
+strong baseline: the new stack at once, within the same acceleration limits.
 """
 
 from __future__ import annotations

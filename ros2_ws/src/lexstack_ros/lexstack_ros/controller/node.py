@@ -33,7 +33,7 @@ _LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
 
 
 class HqpControllerNode(Node):
-    """Topics and services around the core's Controller; no mathematics here."""
+    """Topics and services around the library's Controller; no mathematics here."""
 
     def __init__(self, options: NodeOptions = FROM_COMMAND_LINE) -> None:
         """Build the controller of the scenario; raises LexstackError for a wrong parameter."""

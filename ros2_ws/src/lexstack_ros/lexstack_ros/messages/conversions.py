@@ -1,7 +1,7 @@
-"""The only seam between messages and the core: every field is checked on its way in.
+"""The only seam between messages and the library: every field is checked on its way in.
 
 A message that does not fit raises InputError, whose text names the topic's field and what is
-wrong with it; nothing of it reaches the core.
+wrong with it; nothing of it reaches the library.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Plans and sequences of the HTMPC between messages and core, checked on their way in."""
+"""Plans and sequences of the HTMPC between messages and library, checked on their way in."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The node of the sequential-task MPC."""
+"""The node of the hierarchical-task MPC (htmpc)."""

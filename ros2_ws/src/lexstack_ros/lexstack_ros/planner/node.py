@@ -41,7 +41,7 @@ _THROTTLE = 0.05  # s: a flood of goals is no flood of lines
 
 
 class HtmpcNode(Node):
-    """Action, topics and service around the core's SequenceRunner; no mathematics here."""
+    """Action, topics and service around the library's SequenceRunner; no mathematics here."""
 
     def __init__(self, options: NodeOptions = FROM_COMMAND_LINE) -> None:
         """Build optimisers for the robots that sequences name, or for all; raises LexstackError."""

@@ -28,7 +28,7 @@ from lexstack_ros.node.spin import run_node
 
 
 class StackSolverNode(Node):
-    """Topics around the core's StackSolver; no mathematics here."""
+    """Topics around the library's StackSolver; no mathematics here."""
 
     def __init__(self, options: NodeOptions = FROM_COMMAND_LINE) -> None:
         """Build the solver of the scenario; raises LexstackError for a wrong parameter."""

@@ -88,7 +88,7 @@ class ViewNode(Node):
         self._chi[controller] = data
 
     def _look(self) -> None:
-        """GapMotion orders out, and tell the page what is new, if somebody looks."""
+        """Carry orders out, and tell the page what is new, if somebody looks."""
         while (entry := self._hub.take()) is not None:
             self._actions.carry_out(*entry)
         if not self._hub.is_watched or self._state is None:
