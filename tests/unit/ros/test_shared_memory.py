@@ -124,12 +124,12 @@ def test_a_process_of_ours_that_is_left_is_told(tmp_path, monkeypatch):
     monkeypatch.setattr("support.leftovers._PATIENCE", 0.3)
     make(tmp_path, SEGMENT, "_el")
     before = our_processes()
-    command = [sys.executable, "-c", "import time; time.sleep(60)", "lexstack_ros.nodes.pretended"]
+    command = [sys.executable, "-c", "import time; time.sleep(60)", "lexstack_ros.solver.pretended"]
     process = subprocess.Popen(command)
     try:
         (process_line, memory_line) = what_is_left(before, tmp_path)
         assert process_line.startswith(f"process {process.pid}: ")
-        assert process_line.endswith("lexstack_ros.nodes.pretended ")
+        assert process_line.endswith("lexstack_ros.solver.pretended ")
         assert memory_line == f"shared memory: {tmp_path / SEGMENT}"
     finally:
         process.kill()

@@ -11,7 +11,7 @@ from pathlib import Path
 from lexstack_config.resolved import ResolvedScenario
 
 _PACKAGES = {
-    "lexstack": "lexstack-core",
+    "lexstack": "lexstack",
     "numpy": "numpy",
     "mujoco": "mujoco",
     "scipy": "scipy",

@@ -1,1 +1,0 @@
-"""The processes: one node each, without mathematics."""
