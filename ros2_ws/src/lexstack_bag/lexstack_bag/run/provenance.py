@@ -8,10 +8,10 @@ import subprocess
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+import lexstack
 from lexstack_config.resolved import ResolvedScenario
 
 _PACKAGES = {
-    "lexstack": "lexstack",
     "numpy": "numpy",
     "mujoco": "mujoco",
     "scipy": "scipy",
@@ -43,6 +43,8 @@ def run_facts(resolved: ResolvedScenario) -> dict[str, str]:
         "commit": source_commit(),
         "machine": platform.machine(),
         "python": platform.python_version(),
+        # A workspace has no metadata of its packages, so ours says its version itself.
+        "lexstack": lexstack.__version__,
         **{key: installed_version(package) for key, package in _PACKAGES.items()},
     }
 
