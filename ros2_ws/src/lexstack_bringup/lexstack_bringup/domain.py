@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -20,12 +20,13 @@ class NoDomainError(LexstackError):
 
 
 @contextmanager
-def own_domain() -> Iterator[int]:
+def own_domain(numbers: Sequence[int] = _IDS) -> Iterator[int]:
     """Yield the environment's ROS_DOMAIN_ID, or one that no other run has while this one lasts.
 
-    At the end, when all processes of the run have ended, shared memory that killed ones left goes.
+    ``numbers`` are tried in their order. At the end, when all processes of the run have ended,
+    shared memory that killed ones left goes.
     """
-    with _domain() as domain:
+    with _domain(numbers) as domain:
         try:
             yield domain
         finally:
@@ -33,7 +34,7 @@ def own_domain() -> Iterator[int]:
 
 
 @contextmanager
-def _domain() -> Iterator[int]:
+def _domain(numbers: Sequence[int]) -> Iterator[int]:
     """Yield the environment's ROS_DOMAIN_ID, or one that no other run has."""
     given = os.environ.get("ROS_DOMAIN_ID")
     if given is not None:
@@ -43,7 +44,7 @@ def _domain() -> Iterator[int]:
         return
     folder = Path(tempfile.gettempdir())
     reason = ""
-    for number in _IDS:
+    for number in numbers:
         try:
             # The lock ends with the process, however it ends.
             handle = _locked(folder / f"lexstack-domain-{number}.lock")
@@ -56,7 +57,7 @@ def _domain() -> Iterator[int]:
             os.close(handle)
         return
     raise NoDomainError(
-        f"no ROS_DOMAIN_ID from {_IDS[0]} to {_IDS[-1]} is free{reason}; set one yourself"
+        f"no ROS_DOMAIN_ID from {min(numbers)} to {max(numbers)} is free{reason}; set one yourself"
     )
 
 
