@@ -27,7 +27,7 @@ from lexstack_interfaces.msg import Chi, PlantState
 from lexstack_interfaces.srv import ApplyWrench
 from lexstack_plant.adapters.mujoco import SimBridge
 from lexstack_ros.messages.qos import LATCHED, STREAM
-from lexstack_ros.node.calls import answer_of, wait_until
+from lexstack_ros.node import calls
 from lexstack_ros.node.options import NodeOptions
 from lexstack_testing.ros_session import ros_session
 from support.plants import make_plant, sine
@@ -109,16 +109,15 @@ class System:
         assert self.process is None or self.process.poll() is None, self.process.stdout.read()
 
     def until(self, condition):
-        came = wait_until(self.executor, condition, PATIENCE, self.check)
+        came = calls.wait_until(self.executor, condition, PATIENCE, self.check)
         assert came, f"waited in vain at tick {self.controller.last.tick}"
 
     def spin(self, seconds):
-        wait_until(self.executor, lambda: False, seconds, self.check)
+        calls.wait_until(self.executor, lambda: False, seconds, self.check)
 
     def call(self, name, kind=Trigger, **request):
-        client = self.node.create_client(kind, f"/sim_bridge/{name}")
-        self.until(client.service_is_ready)
-        return answer_of(self.executor, client, kind.Request(**request), PATIENCE, self.check)
+        asked = (kind, f"/sim_bridge/{name}", kind.Request(**request))
+        return calls.call(self.node, self.executor, *asked, PATIENCE, watch=self.check)
 
     def ready(self):
         controller = self.controller

@@ -15,7 +15,7 @@ from std_srvs.srv import SetBool
 
 from lexstack_bringup.processes import NODES
 from lexstack_ros.messages.qos import STREAM
-from lexstack_ros.node.calls import answer_of, wait_until
+from lexstack_ros.node import calls
 from lexstack_testing.played_run import apart
 from support.listening import sockets
 from support.qos import documented_qos
@@ -67,15 +67,12 @@ def run(tmp_path_factory):
 
 
 def until(run, condition):
-    assert wait_until(run.executor, condition, PATIENCE, run.check)
+    assert calls.wait_until(run.executor, condition, PATIENCE, run.check)
 
 
 def call(run, kind, name, **request):
-    client = run.player.create_client(kind, name)
-    until(run, client.service_is_ready)
-    answer = answer_of(run.executor, client, kind.Request(**request), PATIENCE, run.check)
-    run.player.destroy_client(client)
-    return answer
+    request = kind.Request(**request)
+    return calls.call(run.player, run.executor, kind, name, request, PATIENCE, watch=run.check)
 
 
 def names(pairs):

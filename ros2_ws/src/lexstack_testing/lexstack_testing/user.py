@@ -14,7 +14,7 @@ from rclpy.publisher import Publisher
 from lexstack.errors import LexstackError
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.messages.qos import STREAM
-from lexstack_ros.node.calls import answer_of, wait_until
+from lexstack_ros.node.calls import call, wait_until
 
 PATIENCE = 30.0  # s of wall time for anything
 _SETTLED = 0.5  # s for the other side to know a publisher, too
@@ -75,14 +75,9 @@ class User:
         wait_until(self.run.executor, lambda: False, seconds, self.run.check)
 
     def call(self, kind: Any, name: str, **request: Any) -> Any:
-        """Return a service's answer; raises InVainError or NoAnswerError where none comes."""
-        client = self.node.create_client(kind, name)
-        self.until(client.service_is_ready, name)
-        answer = answer_of(
-            self.run.executor, client, kind.Request(**request), PATIENCE, self.run.check
-        )
-        self.node.destroy_client(client)
-        return answer
+        """Return a service's answer; raises NoAnswerError where none comes."""
+        asked = (kind, name, kind.Request(**request))
+        return call(self.node, self.run.executor, *asked, PATIENCE, watch=self.run.check)
 
     def publisher(self, kind: type, topic: str, qos: Any = STREAM, listeners: int = 1) -> Publisher:
         """Return a publisher that is known to its listeners, as they are to it."""
