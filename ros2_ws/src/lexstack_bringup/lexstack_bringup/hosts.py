@@ -49,11 +49,11 @@ class HostConfig:
 class HostsConfig:
     """All hosts of a run; every host reads the same file."""
 
-    name: str
-    description: str
+    name: str  # of the file
+    description: str  # in a sentence
     domain: Annotated[int, Range(0, _LAST_DOMAIN)]  # ROS_DOMAIN_ID
     discovery: Literal["multicast", "peers", "server"]  # how nodes find each other
-    hosts: dict[str, HostConfig]
+    hosts: dict[str, HostConfig]  # by name
     # UDP, where the discovery server listens
     server_port: Annotated[int, Range(0, _LAST_PORT)] = 11811
     wait: Positive = 60.0  # s of wall time for all nodes of all hosts to be connected

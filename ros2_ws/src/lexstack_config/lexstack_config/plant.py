@@ -13,7 +13,7 @@ class PushConfig:
     """A force on a link for a while."""
 
     at: NotNegative  # s, simulated
-    robot: str
+    robot: str  # its name in the scenario
     link: str  # base, tool, or a link of the arm
     force: Finite3  # N, world axes
     duration: Positive  # s
@@ -32,4 +32,4 @@ class PlantConfig:
     friction: NotNegative = 0.0  # N m, Coulomb friction of every arm joint
     # mean part of the bases' velocity that the wheels lose
     base_slip: Annotated[NotNegative, Range(most=0.5)] = 0.0
-    pushes: tuple[PushConfig, ...] = ()
+    pushes: tuple[PushConfig, ...] = ()  # forces from outside

@@ -87,8 +87,8 @@ class HtmpcRunConfig:
 class SequenceChangeConfig:
     """A change of a sequence that is being executed."""
 
-    robot: str
-    change: Literal["release", "retarget", "cancel"]
+    robot: str  # its name in the scenario
+    change: Literal["release", "retarget", "cancel"]  # what happens to the task
     task: str  # its name
     points: tuple[tuple[float, ...], ...] = ()  # retarget: where it leads now
 
@@ -102,7 +102,8 @@ class EventConfig:
     duration: NotNegative = 0.0  # s of the transition; 0: from the scenario's transition
     robots: tuple[str, ...] = ()  # that switch; empty: all that the stack moves
     ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # by robot
-    base_target: dict[str, Vector3] = field(default_factory=dict)  # by robot: x, y, yaw
+    # by robot: x [m], y [m], yaw [rad]
+    base_target: dict[str, Vector3] = field(default_factory=dict)
     execute: tuple[str, ...] = ()  # names of sequences that begin
     changes: tuple[SequenceChangeConfig, ...] = ()  # of sequences that are under way
 
@@ -111,30 +112,33 @@ class EventConfig:
 class ScenarioConfig:
     """A whole run."""
 
-    name: Name
-    description: str
+    name: Name  # of the run
+    description: str  # in a sentence
     robots: Annotated[  # in the order of chi
         dict[RosName, PlacementConfig], NotEmpty("at least one robot is needed")
     ]
     rate: Annotated[Positive, Range(most=_FASTEST)]  # Hz, ticks per simulated second
     duration: Annotated[Positive, Range(most=_LONGEST)]  # s, simulated
-    initial_stack: str
-    transition: TransitionConfig
-    events: tuple[EventConfig, ...] = ()
-    ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # default: where it starts
-    base_target: dict[str, Vector3] = field(default_factory=dict)  # default: where it starts
+    initial_stack: str  # a name of config/stacks
+    transition: TransitionConfig  # how the controller goes from stack to stack
+    events: tuple[EventConfig, ...] = ()  # what happens when
+    # first goals by robot, m and rad; default: where it starts
+    ee_target: dict[str, PoseConfig] = field(default_factory=dict)
+    # first goals by robot, x [m], y [m], yaw [rad]; default: where it starts
+    base_target: dict[str, Vector3] = field(default_factory=dict)
     obstacles: dict[str, ObstacleConfig] = field(default_factory=dict)  # by name
     plant: PlantConfig = field(default_factory=PlantConfig)  # default: as its model says
-    timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)
+    timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)  # how long who waits for whom
     lead_in: NotNegative = 0.5  # s, in which a reference moves to a new target; 0: it steps
     limit_jerk: bool = False  # at every tick, not only in transitions by bridge_jerk
+    # the MPC, where there are sequences
     htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)
     sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
     streams: tuple[StreamConfig, ...] = ()  # of targets
     solvers: int = 1  # processes that solve for robot A, each for some of the robots
     solver: str = "daqp"  # a key of lexstack.hqp.SOLVERS
-    mode: Mode = "lockstep"
-    seed: int = 0
+    mode: Mode = "lockstep"  # wait for every tick's answers, or follow the clock
+    seed: int = 0  # of everything random
 
     @property
     def horizon_ticks(self) -> int:

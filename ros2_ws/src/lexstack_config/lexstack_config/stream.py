@@ -15,11 +15,11 @@ _FASTEST = 1000.0  # Hz
 class StreamConfig:
     """Targets at a steady rate: where the robot starts, plus swing sin(2 pi frequency t)."""
 
-    robot: str
+    robot: str  # its name in the scenario
     end: Finite  # s, simulated
     swing: Finite3  # m, along x, y, z of the world; of a base: m, m, rad
     frequency: Positive  # Hz, of the swing
-    target: Literal["ee", "base"] = "ee"
+    target: Literal["ee", "base"] = "ee"  # of its tool (ee) or of its base
     rate: Annotated[Positive, Range(most=_FASTEST)] = 60.0  # Hz, messages per simulated second
     start: NotNegative = 0.0  # s, simulated
     ahead: NotNegative = 0.0  # s, how far its stamps are ahead; 0: without a stamp, which means now

@@ -78,7 +78,7 @@ class LineSearchConfig:
 class HtmpcConfig:
     """One set of parameters of the HTMPC, H(7) to H(13)."""
 
-    name: str
+    name: str  # of its file
     horizon: Annotated[int, Range(2, _MOST_STAGES)]  # N, stages
     step: Positive  # s, length of a stage
     iterations: Annotated[int, Range(1)]  # MAX_ITER of Algorithm 2, per level
@@ -89,12 +89,12 @@ class HtmpcConfig:
     # a level below may begin at the previous plan, where that costs less and H(13) holds
     restart_from_previous: bool
     hard_limits: bool  # limits of state and input as constraints too, not as barriers alone
-    ee: TaskWeightsConfig
-    base: TaskWeightsConfig
-    effort: EffortConfig
-    limits: BarrierConfig
-    collision: CollisionConfig
-    line_search: LineSearchConfig
+    ee: TaskWeightsConfig  # weights of tasks of the tool
+    base: TaskWeightsConfig  # weights of tasks of the platform
+    effort: EffortConfig  # weights of velocity, input and its changes
+    limits: BarrierConfig  # barrier before the limits of the joints
+    collision: CollisionConfig  # distances to obstacles
+    line_search: LineSearchConfig  # how a step is shortened
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a correction of what has none."""

@@ -23,7 +23,7 @@ _PER_JOINT = (
 class FrameConfig:
     """A fixed frame: its parent link, and its pose in the parent's frame."""
 
-    parent: str
+    parent: str  # name of a link
     xyz: Vector3  # m
     rpy: Vector3  # rad, roll pitch yaw about fixed axes
 
@@ -47,7 +47,7 @@ class BaseConfig:
     chassis_height: float  # m, box centre above the floor
     chassis_mass: Positive  # kg
     chassis_inertia: _Positive3  # kg m2, about the box centre: ixx, iyy, izz
-    wheels: WheelsConfig
+    wheels: WheelsConfig  # four of them
     velocity: _Positive3  # m/s, m/s, rad/s
     acceleration: _Positive3  # m/s2, m/s2, rad/s2
     jerk: _Positive3  # m/s3, m/s3, rad/s3
@@ -113,9 +113,9 @@ class SphereConfig:
 class RobotConfig:
     """One kind of robot: base, arm, and the tool frame that end-effector tasks move."""
 
-    name: str
-    base: BaseConfig
-    arm: ArmConfig
+    name: str  # of its file
+    base: BaseConfig  # the platform
+    arm: ArmConfig  # what it carries
     tool: FrameConfig  # parent: a link of the arm
     spheres: tuple[SphereConfig, ...] = ()  # none: it takes no part in any distance
 

@@ -27,6 +27,7 @@ class TaskConfig:
 class LevelConfig:
     """Tasks of equal priority."""
 
+    # that share the priority
     tasks: Annotated[tuple[TaskConfig, ...], NotEmpty("a level needs at least one task")]
 
 
@@ -52,8 +53,9 @@ class JointLimitConfig:
 class StackConfig:
     """Ordered levels, index 0 the highest priority, and the limits while they are in effect."""
 
-    name: str
-    description: str
+    name: str  # of its file
+    description: str  # in a sentence
+    # the highest priority first
     levels: Annotated[tuple[LevelConfig, ...], NotEmpty("a stack needs at least one level")]
     robots: tuple[str, ...] = ()  # that it moves; empty: all of the team
     # Who solves it in a transition. htmpc: robot A follows the MPC's plan for as long as it is on

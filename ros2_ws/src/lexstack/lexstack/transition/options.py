@@ -27,7 +27,7 @@ class TransitionConfig:
     """How the controller goes from one stack to another."""
 
     duration: Positive  # s, of the blend
-    method: MethodName = "bridge"
+    method: MethodName = "bridge"  # how the old motion is joined to the new one
     # How alpha rises; time_optimal: as fast as the joints allow, whatever the duration.
     profile: Literal["quintic", "cosine", "linear", "time_optimal"] = "quintic"
     on_loss: Literal["local", "minimum_velocity"] = "local"  # what to follow if the solver is lost

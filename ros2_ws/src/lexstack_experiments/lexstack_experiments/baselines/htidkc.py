@@ -26,7 +26,7 @@ from lexstack_config.reader import build, read_yaml
 class HtidkcConfig:
     """One set of gains of the HTIDKC."""
 
-    name: str
+    name: str  # of its file
     rate: Positive  # Hz
     ee_gain: Positive  # kappa [1/s]
     base_gain: Positive  # kappa [1/s]

@@ -14,7 +14,8 @@ _MOST_ROUNDS = 100
 class SequenceTaskConfig:
     """One task: where it leads, how fast, and when it is done."""
 
-    name: str
+    name: str  # by which it is released and changed
+    # what of the robot it leads
     kind: Literal["ee_position", "ee_pose", "base_position", "base_pose"]
     points: tuple[
         tuple[Finite, ...], ...
@@ -31,7 +32,8 @@ class SequenceTaskConfig:
 class SequenceConfig:
     """Tasks of one robot, in their order."""
 
-    robot: str
+    robot: str  # its name in the scenario
+    # in the order in which they are done
     tasks: Annotated[tuple[SequenceTaskConfig, ...], NotEmpty("at least one is needed")]
     architecture: Literal["ht", "st"] = "ht"  # two tasks at a time, or arm and base apart
     # how often all tasks are done; from the second time on names end with #2, #3 ...
