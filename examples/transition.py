@@ -11,7 +11,7 @@ import lexstack
 home = (0.0, -0.79, 0.0, -2.36, 0.0, 1.57, 0.79)  # rad
 panda = lexstack.mobile_manipulator("panda_description/urdf/panda.urdf", "panda_hand", home)
 team = lexstack.Team((lexstack.RobotModel("robot", panda),), dt=0.01)
-hand = lexstack.StackConfig.of_tasks("hand", "ee_pose", "minimum_velocity")
+hand = lexstack.StackConfig.of_tasks("hand", "ee_pose", "velocity_damping")
 drive = lexstack.StackConfig.of_tasks("drive", "base", "ee_position", "posture")
 stacks = {config.name: lexstack.build_stack(config, team) for config in (hand, drive)}
 options = lexstack.TransitionOptions("hand", lexstack.TransitionConfig(duration=1.0))

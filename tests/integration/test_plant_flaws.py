@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 from lexstack.errors import ConfigurationError, LexstackError
+from lexstack.options import build
 from lexstack.robots import ARM
 from lexstack_config.plant import PlantConfig, PushConfig
 from lexstack_sim.plant import Plant
@@ -159,13 +160,13 @@ def test_another_seed_gives_other_noise():
     [
         ({"encoder_step": -1.0}, "plant: encoder_step"),
         ({"velocity_noise": float("nan")}, "plant: velocity_noise"),
-        ({"base_slip": 0.6}, "plant: base_slip: at most 0.5"),
-        ({"latency": 2.0}, "plant: latency: at most 1 s"),
+        ({"base_slip": 0.6}, "plant: base_slip: must be at most 0.5"),
+        ({"latency": 2.0}, "plant: latency: must be at most 1"),
     ],
 )
 def test_numbers_out_of_range_are_refused(flaws, message):
     with pytest.raises(ConfigurationError, match=message):
-        PlantConfig(**flaws).validate("plant")
+        build(PlantConfig, PlantConfig(**flaws), "plant")
 
 
 @pytest.mark.parametrize(("robot", "link"), [("robot_c", "tool"), ("robot_a", "tail")])

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from lexstack.errors import ConfigurationError
+from lexstack.options import build
 from lexstack.robots import RobotModel
 from lexstack_config.parts import build_team
 from lexstack_config.resolved import load_robot
@@ -64,4 +65,4 @@ def test_a_posture_outside_the_position_limits_is_refused():
     ):
         arm = dataclasses.replace(robot.arm, posture=posture)
         with pytest.raises(ConfigurationError, match=message):
-            arm.validate("here")
+            build(type(arm), arm, "here")

@@ -18,9 +18,9 @@ from support.scenario import home, state_at, team
 TICKS = 500
 EXCESS = 1e-8
 STACKS = {
-    "position": ("base", "ee_position", "minimum_velocity"),
-    "pose": ("base", "ee_pose", "posture", "minimum_velocity"),
-    "pose above base": ("ee_pose", "base", "minimum_velocity"),
+    "position": ("base", "ee_position", "velocity_damping"),
+    "pose": ("base", "ee_pose", "posture", "velocity_damping"),
+    "pose above base": ("ee_pose", "base", "velocity_damping"),
 }
 
 

@@ -33,7 +33,12 @@ def errors_at(solver, start, plan, objective):
 @given(seed=SEEDS, wild=st.sampled_from([0.5, 1.0, 3.0]))
 def test_a_lower_level_never_worsens_one_above_beyond_h13(which, kind, seed, wild):
     solver, start, objectives = problem(
-        seed, which, wild, lexicographic=kind, correction=kind == "axis", tolerance=0.005
+        seed,
+        which,
+        wild,
+        lexicographic=kind,
+        second_order_correction=kind == "axis",
+        tolerance=0.005,
     )
     alone = solver.solve(start, objectives[:1])
     both = solver.solve(start, objectives)
@@ -53,10 +58,12 @@ def test_a_lower_level_never_worsens_one_above_beyond_h13(which, kind, seed, wil
 
 
 @MANY
-@given(seed=SEEDS, wild=st.sampled_from([1.0, 3.0]), correction=st.booleans())
+@given(seed=SEEDS, wild=st.sampled_from([1.0, 3.0]), second_order_correction=st.booleans())
 def test_without_tolerance_no_error_of_a_level_above_grows(seed, wild, correction):
     """With delta = 0 a level may move others only where it leaves every error as it is."""
-    solver, start, objectives = problem(seed, wild=wild, tolerance=0.0, correction=correction)
+    solver, start, objectives = problem(
+        seed, wild=wild, tolerance=0.0, second_order_correction=correction
+    )
     alone = solver.solve(start, objectives[:1])
     both = solver.solve(start, objectives)
     best, _ = errors_at(solver, start, alone, objectives[0])
@@ -123,7 +130,7 @@ def test_hard_limits_hold_at_every_stage(seed, wild):
 @MANY
 @given(seed=SEEDS, delta=st.floats(0.0, 0.1), kind=st.sampled_from(["axis", "stage", "sum"]))
 def test_a_guard_lets_pass_what_it_was_made_from_and_no_worse(seed, delta, kind):
-    solver = optimiser(lexicographic=kind, correction=False, tolerance=delta)
+    solver = optimiser(lexicographic=kind, second_order_correction=False, tolerance=delta)
     rng = np.random.default_rng(seed)
     objective = random_objectives(rng, random_start(rng), solver)[0]
     task = Task(objective, solver.config, 9)

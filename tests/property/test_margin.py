@@ -16,11 +16,11 @@ from lexstack.tasks import LevelConfig, StackConfig, TaskConfig, build_stack
 from support.scenario import home, random_q, state_at, team
 
 STACKS = {
-    "pose": ("ee_pose", "minimum_velocity"),
-    "position": ("ee_position", "minimum_velocity"),
-    "base below": ("ee_pose", "base", "minimum_velocity"),
+    "pose": ("ee_pose", "velocity_damping"),
+    "position": ("ee_position", "velocity_damping"),
+    "base below": ("ee_pose", "base", "velocity_damping"),
     "posture below": ("ee_pose", "posture"),
-    "base above": ("base", "ee_pose", "minimum_velocity"),
+    "base above": ("base", "ee_pose", "velocity_damping"),
     "three levels": ("ee_position", "base", "posture"),
 }
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from support.scenario import CONFIG, SCENARIO
 
 HEAD = "name: some\ndescription: d\n"
-LEVELS = "levels:\n  - tasks:\n      - type: minimum_velocity\n"
+LEVELS = "levels:\n  - tasks:\n      - type: velocity_damping\n"
 
 
 def folder(tmp_path: Path, **files: str) -> Path:

@@ -52,8 +52,8 @@ def resolved() -> ResolvedScenario:
         scenario,
         {"panda_summit": load_robot(ROOT / "config/robots/panda_summit.yaml")},
         {
-            "track": stack("track", "ee_pose", "minimum_velocity"),
-            "reach_base": stack("reach_base", "ee_pose", "base", "minimum_velocity"),
+            "track": stack("track", "ee_pose", "velocity_damping"),
+            "reach_base": stack("reach_base", "ee_pose", "base", "velocity_damping"),
         },
     )
 

@@ -105,7 +105,7 @@ def held():
             LevelConfig((TaskConfig("ee_position"),)),
             LevelConfig((TaskConfig("ee_pose", parameters={"gain": 2.0}),)),
             LevelConfig((TaskConfig("posture"),)),
-            LevelConfig((TaskConfig("minimum_velocity"),)),
+            LevelConfig((TaskConfig("velocity_damping"),)),
         ),
     )
     from lexstack_experiments.loop import Loop

@@ -140,7 +140,7 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
     ("key", "value", "message"),
     [
         ("home", [0.0], "home: expected 7 values, got 1"),
-        ("velocity", [0.0] * 7, "velocity: must be finite and > 0"),
+        ("velocity", [0.0] * 7, "velocity[0]: must be finite and > 0"),
         ("home", [9.0] * 7, "panda_joint1: home is outside the position limits"),
         ("position_lower", [3.0] * 7, "panda_joint1: position_lower >= position_upper"),
     ],

@@ -110,7 +110,10 @@ def test_obstacles_that_stand_stand():
     [
         ({"radius": 0.0}, "here: radius: must be finite and > 0"),
         ({"radius": 0.1, "period": 0.0}, "here: period: must be finite and > 0"),
-        ({"radius": 0.1, "velocity": [0.0, 0.0, float("inf")]}, "here: velocity: must be finite"),
+        (
+            {"radius": 0.1, "velocity": [0.0, 0.0, float("inf")]},
+            r"here: velocity\[2\]: must be finite",
+        ),
         ({"radius": 0.1, "swing": [0.0, 0.0]}, "here: swing: expected 3 values, got 2"),
         ({"radius": 0.1, "speed": 1.0}, "here: unknown key 'speed'"),
     ],

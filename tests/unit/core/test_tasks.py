@@ -26,7 +26,7 @@ DT = 0.01
 STEP = 1e-6
 NEEDED = {"relative_pose": {"other": "robot_a"}}  # parameters without a default
 # Nothing to bring to zero; tests/unit/core/test_tasks_distance.py has the derivatives of distances.
-WITHOUT_ERROR = {"distance", "minimum_velocity"}
+WITHOUT_ERROR = {"collision_avoidance", "velocity_damping"}
 
 
 def make(kind, robot=0, **parameters):
@@ -94,7 +94,7 @@ def test_an_unknown_parameter_is_refused(kind):
         make(kind, wrong=1.0)
 
 
-@pytest.mark.parametrize("kind", sorted(set(TASKS) - {"minimum_velocity"}))
+@pytest.mark.parametrize("kind", sorted(set(TASKS) - {"velocity_damping"}))
 def test_a_gain_that_is_not_positive_is_refused(kind):
     with pytest.raises(ConfigurationError, match="here: gain: must be finite and > 0"):
         make(kind, gain=0.0, **NEEDED.get(kind, {}))
@@ -196,8 +196,8 @@ def test_posture_refuses_a_target_of_the_wrong_length():
         make("posture", target=[0.0, 0.0])
 
 
-def test_minimum_velocity_weighs_base_and_arm():
-    linear = make("minimum_velocity", base_cost=2.0, arm_cost=3.0).linearise(
+def test_velocity_damping_weighs_base_and_arm():
+    linear = make("velocity_damping", base_cost=2.0, arm_cost=3.0).linearise(
         team().kinematics(state_at(home())), references()
     )
     np.testing.assert_array_equal(np.diag(linear.matrix[:, :10]), [2.0] * 3 + [3.0] * 7)
@@ -228,7 +228,7 @@ def test_a_weight_scales_the_squared_residual():
 @pytest.mark.parametrize(
     ("levels", "message"),
     [
-        ([[TaskConfig("dance")]], "unknown task 'dance'; known: base, distance, ee_pose"),
+        ([[TaskConfig("dance")]], "unknown task 'dance'; known: base, collision_avoidance, "),
         ([[TaskConfig("base", "robot_c")]], "unknown robot 'robot_c'"),
         ([[TaskConfig("base")], [TaskConfig("base")]], "'robot_a/base' stands in it twice"),
         ([[TaskConfig("base", parameters={"gain": -1.0})]], "gain: must be finite and > 0"),

@@ -47,7 +47,7 @@ def some_obstacles(rng, count=3):
 
 
 def task_of(a_team, robot=0, **parameters):
-    return TASKS["distance"](a_team, robot, parameters, "here")
+    return TASKS["collision_avoidance"](a_team, robot, parameters, "here")
 
 
 def rooms(a_team, q, stamp, robot=0, others=(), margin=0.05):
@@ -247,7 +247,7 @@ def test_only_what_is_named_counts():
         ({"influence": 0.05}, "here: influence: must be > margin = 0.05, got 0.05"),
         ({"deceleration": 0.0}, "here: deceleration: must be finite and > 0"),
         ({"gain": 101.0}, "here: gain: must be <= 100 1/s, one over the control period, got 101"),
-        ({"rows": 0}, "here: rows: must be finite and > 0"),
+        ({"rows": 0}, "here: rows: must be > 0, got 0"),
         ({"obstacles": ["ball"]}, "here: obstacles: unknown obstacle 'ball'; known: post, wall"),
         ({"robots": ["robot_c"]}, "here: robots: unknown robot 'robot_c'; known: robot_a, robot_b"),
         ({"robots": ["robot_a"]}, "here: robots: 'robot_a' is the task's own robot"),
@@ -334,7 +334,7 @@ def test_what_cannot_be_kept_is_relaxed_as_little_as_can_be(seed):
     kinematics = a_team.kinematics(state)
     tasks = [task_of(a_team, 0, robots=["robot_b"], rows=4, influence=2.0), task_of(a_team, 1)]
     level = tuple(task.linearise(kinematics, None) for task in tasks)
-    follow = TASKS["minimum_velocity"](a_team, 0, {}, "here").linearise(kinematics, None)
+    follow = TASKS["velocity_damping"](a_team, 0, {}, "here").linearise(kinematics, None)
     box = viable_bounds(q, a_team.limits, DT, chi)
     problem = HqpProblem((level, (follow,)), box)
     solution = make_solver("daqp").solve(problem)
@@ -352,7 +352,7 @@ def test_a_transition_bridges_no_distance():
     goals = References(a_team.tools(home()), (np.zeros(3), np.zeros(3)))
     level = tuple(
         TASKS[kind](a_team, 0, {}, "here").linearise(kinematics, goals)
-        for kind in ("distance", "ee_pose")
+        for kind in ("collision_avoidance", "ee_pose")
     )
     command = np.zeros(20)
     command[0] = 2.0
@@ -376,7 +376,7 @@ def closed_loop(a_team, q, goals, seconds, robots=(), itself=None):
     level = [
         [task_of(a_team, 0, robots=robots, itself=bool(itself)), task_of(a_team, 1)],
         [TASKS["ee_pose"](a_team, i, {}, "here") for i in (0, 1)],
-        [TASKS["minimum_velocity"](a_team, i, {}, "here") for i in (0, 1)],
+        [TASKS["velocity_damping"](a_team, i, {}, "here") for i in (0, 1)],
     ]
     others = tuple(a_team.index(name) for name in robots)
     solver, warm, chi, told = make_solver("daqp"), None, np.zeros(a_team.n), []

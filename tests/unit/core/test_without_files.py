@@ -57,7 +57,7 @@ def test_an_exact_plant_s_next_state():
 
 
 def test_a_source_answers_what_was_announced():
-    config = lexstack.StackConfig.of_tasks("s", "ee_pose", "minimum_velocity")
+    config = lexstack.StackConfig.of_tasks("s", "ee_pose", "velocity_damping")
     stacks = {"s": lexstack.build_stack(config, team())}
     source = lexstack.make_stack_solver(team(), stacks)
     state = state_at(home(), tick=7)

@@ -124,7 +124,7 @@ def test_rows_of_one_robot_are_zero_for_all_others():
 
 
 def test_slacks_and_rows_are_those_of_the_problem_as_it_was_given():
-    stack = stack_of("distance", "ee_position", "minimum_velocity")
+    stack = stack_of("collision_avoidance", "ee_position", "velocity_damping")
     given, damped = damped_at(stack, stretched())
     assert damped.problem is not given
     solver = make_solver()
@@ -142,7 +142,7 @@ def test_slacks_and_rows_are_those_of_the_problem_as_it_was_given():
 
 
 def test_an_inequality_row_keeps_holding_where_a_level_below_is_damped():
-    stack = stack_of("distance", "ee_position", "minimum_velocity")
+    stack = stack_of("collision_avoidance", "ee_position", "velocity_damping")
     given, damped = damped_at(stack, stretched())
     solution = make_solver().solve(damped.problem)
     for task in given.levels[0]:

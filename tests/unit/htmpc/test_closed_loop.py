@@ -219,7 +219,9 @@ def test_a_bent_step_brings_the_base_further_within_the_same_tolerance():
     """A straight step leaves the curved set of H(12), so that H(13) shortens it."""
     away = {}
     for correction in (False, True):
-        solver = optimiser(tolerance=2e-4, correction=correction, resume=False)
+        solver = optimiser(
+            tolerance=2e-4, second_order_correction=correction, restart_from_previous=False
+        )
         record = follow_htmpc(solver, HOME, SQUARE, 5.0)
         assert tool_errors(record, TOOL).max() < 3e-3
         away[correction] = np.linalg.norm(record.q[-1, :2])

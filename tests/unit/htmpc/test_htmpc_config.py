@@ -28,7 +28,7 @@ def test_every_baseline_loads(path):
 def test_the_authors_values_are_theirs():
     own = load_htmpc(FOLDER / "authors.yaml")
     assert (own.horizon, own.step, own.iterations, own.lexicographic) == (10, 0.1, 1, "axis")
-    assert own.enough == 0.0
+    assert own.early_stop_ratio == 0.0
     assert (own.ee.stage, own.ee.terminal, own.base.stage, own.base.terminal) == (1, 10, 1, 10)
     effort = own.effort
     assert (effort.base_velocity, effort.arm_velocity) == (0.1, 0.1)
@@ -38,7 +38,7 @@ def test_the_authors_values_are_theirs():
     assert (own.collision.mu, own.collision.margin) == (1e-4, 0.05)
     search = own.line_search
     assert (search.descent, search.beta, search.trials) == (0.05, 0.5, 10)
-    ours = (own.correction, own.resume, own.hard_limits)
+    ours = (own.second_order_correction, own.restart_from_previous, own.hard_limits)
     assert ours == (False, False, False)
 
 
@@ -52,17 +52,20 @@ def test_both_gain_sets_of_htidkc_are_there():
 MISTAKES = {
     "horizon: must be in": {"horizon": 1},
     "step: must be finite and > 0": {"step": 0.0},
-    "iterations: must be at least 1": {"iterations": 0},
-    "enough: must be finite and >= 0": {"enough": -0.01},
+    "iterations: must be >= 1, got 0": {"iterations": 0},
+    "early_stop_ratio: must be finite and >= 0": {"early_stop_ratio": -0.01},
     "lexicographic: 'best' is not one of": {"lexicographic": "best"},
-    "correction: needs lexicographic: axis": {"correction": True, "lexicographic": "sum"},
+    "second_order_correction: needs lexicographic: axis": {
+        "second_order_correction": True,
+        "lexicographic": "sum",
+    },
     "unknown key 'horizont'": {"horizont": 10},
     "ee: terminal: must be finite and > 0": {"ee": {"terminal": 0.0}},
     "ee: tolerance: must be finite and >= 0": {"ee": {"tolerance": -0.1}},
     "effort: arm_input: must be finite and > 0": {"effort": {"arm_input": 0.0}},
     "limits: zeta: must be finite and > 0": {"limits": {"zeta": 0.0}},
     "line_search: beta: must be in": {"line_search": {"beta": 1.0}},
-    "line_search: trials: must be at least 1": {"line_search": {"trials": 0}},
+    "line_search: trials: must be >= 1, got 0": {"line_search": {"trials": 0}},
 }
 
 

@@ -62,7 +62,7 @@ def test_what_is_not_finite_fails(monkeypatch):
 
 
 def test_at_its_optimum_a_level_has_converged_and_not_failed():
-    solver = optimiser(iterations=30, enough=0.0, hard_limits=False)
+    solver = optimiser(iterations=30, early_stop_ratio=0.0, hard_limits=False)
     start, objectives = hold_and_reach(solver)
     plan = solver.solve(start, objectives[:1])
     assert plan.levels[0].outcome is Outcome.CONVERGED
@@ -70,11 +70,11 @@ def test_at_its_optimum_a_level_has_converged_and_not_failed():
 
 
 def test_a_level_goes_on_while_its_task_gains_enough_and_no_longer():
-    every = optimiser(iterations=10, enough=0.0)
+    every = optimiser(iterations=10, early_stop_ratio=0.0)
     start, objectives = hold_and_reach(every)
     counts, gains = [], []
     for enough in (0.0, 0.01, 0.2, 1e9):
-        plan = optimiser(iterations=10, enough=enough).solve(start, objectives)
+        plan = optimiser(iterations=10, early_stop_ratio=enough).solve(start, objectives)
         counts.append(plan.levels[1].iterations)
         gains.append(plan.levels[1].decrease)
     assert counts[0] == 10
@@ -85,7 +85,9 @@ def test_a_level_goes_on_while_its_task_gains_enough_and_no_longer():
 @pytest.mark.parametrize("correction", [False, True])
 def test_without_tolerance_the_base_is_frozen_and_the_status_says_by_what(correction):
     """Trap: delta = 0 lets no step pass that leaves the tangent."""
-    solver = optimiser(tolerance=0.0, correction=correction, resume=False)
+    solver = optimiser(
+        tolerance=0.0, second_order_correction=correction, restart_from_previous=False
+    )
     start, objectives = hold_and_reach(solver)
     plan = solver.solve(start, objectives)
     status = plan.levels[1]
@@ -95,7 +97,9 @@ def test_without_tolerance_the_base_is_frozen_and_the_status_says_by_what(correc
     assert status.steps == (0.0,)
     assert status.trials == solver.config.line_search.trials
     assert status.blocked_by.startswith("level 1 ee, state ")
-    loose = optimiser(tolerance=0.001, correction=correction, resume=False)
+    loose = optimiser(
+        tolerance=0.001, second_order_correction=correction, restart_from_previous=False
+    )
     moved = loose.solve(start, objectives)
     assert moved.levels[1].outcome is Outcome.STEPPED
     assert np.linalg.norm(moved.q[-1, :2]) > 0.02
@@ -103,7 +107,7 @@ def test_without_tolerance_the_base_is_frozen_and_the_status_says_by_what(correc
 
 def test_the_tolerance_stands_in_the_line_search_and_nowhere_else():
     """Trap: in the QP and in the line search it would count twice."""
-    solver = optimiser(tolerance=0.01, correction=False)
+    solver = optimiser(tolerance=0.01, second_order_correction=False)
     _, objectives = hold_and_reach(solver)
     task = Task(objectives[0], solver.config, 9)
     for delta in (0.0, 0.01, 0.5):
@@ -142,7 +146,7 @@ def test_rows_of_guards_are_those_of_differences(kind):
 @pytest.mark.parametrize("kind", ["axis", "stage", "sum"])
 def test_a_box_without_interior_is_no_obstacle(kind):
     """Trap: at e* = 0 the box of H(12) is a point. Every QP is solved all the same."""
-    solver = optimiser(lexicographic=kind, correction=kind == "axis")
+    solver = optimiser(lexicographic=kind, second_order_correction=kind == "axis")
     start, objectives = hold_and_reach(solver)
     plan = None
     for k in range(20):
@@ -204,7 +208,7 @@ def test_a_jump_of_the_reference_is_not_interpolated_across():
 def test_the_tolerance_does_not_add_up_from_solve_to_solve():
     """Trap: e* + delta becomes the e* of the next solve, and so on."""
     for resume in (False, True):
-        solver = optimiser(tolerance=0.002, resume=resume)
+        solver = optimiser(tolerance=0.002, restart_from_previous=resume)
         start, objectives = hold_and_reach(solver)
         q, v, plan, worst = start.q, start.v, None, []
         for k in range(250):

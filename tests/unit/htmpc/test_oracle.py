@@ -36,7 +36,13 @@ def equal_weights(own):
 @cache
 def converged(name, hard, equal=False):
     """Return the oracle's levels on all states, each task widened by its delta."""
-    own = config(name, hard_limits=hard, tolerance=0.01, correction=False, resume=False)
+    own = config(
+        name,
+        hard_limits=hard,
+        tolerance=0.01,
+        second_order_correction=False,
+        restart_from_previous=False,
+    )
     own = equal_weights(own) if equal else own
     oracle = HtmpcOracle(robot(), own, KINDS)
     results = []
@@ -58,7 +64,9 @@ def total(solver, start, objectives, plan, level):
 @pytest.mark.parametrize("name", ["authors", "lexstack"])
 @pytest.mark.parametrize("hard", [False, True])
 def test_with_many_iterations_the_first_level_is_the_optimum(name, hard):
-    own = config(name, hard_limits=hard, iterations=40, enough=0.0, correction=False)
+    own = config(
+        name, hard_limits=hard, iterations=40, early_stop_ratio=0.0, second_order_correction=False
+    )
     solver = Htmpc(robot(), own, ())
     for start, objectives, levels in converged(name, hard):
         assert levels[0].converged
@@ -72,7 +80,9 @@ def test_with_many_iterations_the_first_level_is_the_optimum(name, hard):
 @pytest.mark.parametrize(("iterations", "gap"), [(1, 0.30), (3, 0.02)])
 def test_gap_of_the_first_level(iterations, gap):
     """The whole cost of level 0 above the optimum, as a part of what there was to gain."""
-    own = config("lexstack", iterations=iterations, enough=0.0, correction=False)
+    own = config(
+        "lexstack", iterations=iterations, early_stop_ratio=0.0, second_order_correction=False
+    )
     solver = Htmpc(robot(), own, ())
     found = []
     for start, objectives, levels in converged("lexstack", True):
@@ -90,7 +100,9 @@ def test_gap_of_the_first_level(iterations, gap):
 @pytest.mark.slow
 def test_the_second_level_comes_near_its_optimum():
     """Within delta of H(13), the cost of level 1 after 40 bent steps against IPOPT's."""
-    own = config("lexstack", iterations=40, enough=0.0, tolerance=0.01, resume=False)
+    own = config(
+        "lexstack", iterations=40, early_stop_ratio=0.0, tolerance=0.01, restart_from_previous=False
+    )
     solver = Htmpc(robot(), equal_weights(own), ())
     gaps = []
     for start, objectives, levels in converged("lexstack", True, equal=True):
@@ -105,7 +117,13 @@ def test_the_second_level_comes_near_its_optimum():
 
 @pytest.mark.slow
 def test_distances_are_in_the_oracle_too():
-    own = config("lexstack", iterations=40, enough=0.0, correction=False, hard_limits=False)
+    own = config(
+        "lexstack",
+        iterations=40,
+        early_stop_ratio=0.0,
+        second_order_correction=False,
+        hard_limits=False,
+    )
     spheres, radii = (4, 8), np.array([0.15])
     solver = Htmpc(robot(), own, spheres)
     start, rng = start_of(1)

@@ -6,10 +6,10 @@ import ipaddress
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 from lexstack.errors import ConfigurationError
-from lexstack.options import positive, shown
+from lexstack.options import NotEmpty, Positive, Range, shown
 from lexstack_config.reader import build, read_yaml
 from lexstack_ros.messages.names import base_of
 
@@ -31,41 +31,35 @@ class HostConfig:
     """One computer."""
 
     address: str  # IP address by which the others reach it
-    nodes: tuple[str, ...]  # what runs there
+    nodes: Annotated[  # what runs there
+        tuple[str, ...], NotEmpty("at least one node is needed")
+    ]
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for an address that is none, or a host without nodes."""
+        """Raise ConfigurationError for an address that is none."""
         try:
             ipaddress.ip_address(self.address)
         except ValueError as error:
             raise ConfigurationError(
                 f"{where}: address: expected an IP address, got {self.address!r}"
             ) from error
-        if not self.nodes:
-            raise ConfigurationError(f"{where}: nodes: at least one node is needed")
 
 
 @dataclass(frozen=True, slots=True)
 class HostsConfig:
     """All hosts of a run; every host reads the same file."""
 
-    name: str
-    description: str
-    domain: int  # ROS_DOMAIN_ID
+    name: str  # of the file
+    description: str  # in a sentence
+    domain: Annotated[int, Range(0, _LAST_DOMAIN)]  # ROS_DOMAIN_ID
     discovery: Literal["multicast", "peers", "server"]  # how nodes find each other
-    hosts: dict[str, HostConfig]
-    server_port: int = 11811  # UDP, where the discovery server listens
-    wait: float = 60.0  # s of wall time for all nodes of all hosts to be connected
+    hosts: dict[str, HostConfig]  # by name
+    # UDP, where the discovery server listens
+    server_port: Annotated[int, Range(0, _LAST_PORT)] = 11811
+    wait: Positive = 60.0  # s of wall time for all nodes of all hosts to be connected
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range or a node that runs twice."""
-        positive(where, wait=self.wait)
-        for name, value, last in (
-            ("domain", self.domain, _LAST_DOMAIN),
-            ("server_port", self.server_port, _LAST_PORT),
-        ):
-            if not 0 <= value <= last:
-                raise ConfigurationError(f"{where}: {name}: must be in [0, {last}], got {value}")
+        """Raise ConfigurationError for a node that runs twice."""
         nodes = self.nodes
         twice = [node for node in dict.fromkeys(nodes) if nodes.count(node) > 1]
         if twice:

@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
 import lexstack.robots
 from lexstack.errors import ConfigurationError
 from lexstack.mpc import SequenceConfig
-from lexstack.options import at_most, finite, names, not_negative, positive, shown
+from lexstack.options import (
+    Finite,
+    Finite3,
+    Name,
+    NotEmpty,
+    NotNegative,
+    Positive,
+    Range,
+    RosName,
+    shown,
+)
 from lexstack.robots import ObstacleConfig, Vector3
 from lexstack.transition import TransitionConfig
 from lexstack_config.plant import PlantConfig
@@ -19,7 +29,7 @@ from lexstack_config.stream import StreamConfig
 if TYPE_CHECKING:
     from lexstack.robots import Pose
 
-Quaternion = tuple[float, float, float, float]
+_Quaternion = tuple[Finite, Finite, Finite, Finite]
 Mode = Literal["lockstep", "realtime"]
 _FASTEST = 1000.0  # Hz, the plant's own steps
 _LONGEST = 1e6  # s, 11 days
@@ -29,25 +39,19 @@ _LONGEST = 1e6  # s, 11 days
 class PlacementConfig:
     """One robot of the scenario: its kind, and where its base starts."""
 
-    model: str  # a name of config/robots
-    base: Vector3  # x [m], y [m], yaw [rad] in the world frame
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a model that is no name, or a place that is not finite."""
-        names(where, model=self.model)
-        finite(where, base=self.base)
+    model: Name  # a name of config/robots
+    base: Finite3  # x [m], y [m], yaw [rad] in the world frame
 
 
 @dataclass(frozen=True, slots=True)
 class PoseConfig:
     """A pose in the world frame."""
 
-    position: Vector3  # m
-    orientation: Quaternion  # x, y, z, w
+    position: Finite3  # m
+    orientation: _Quaternion  # x, y, z, w
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError unless the quaternion has unit length."""
-        finite(where, position=self.position, orientation=self.orientation)
         norm = sum(value * value for value in self.orientation) ** 0.5
         if abs(norm - 1.0) > 1e-3:
             raise ConfigurationError(f"{where}: orientation: norm must be 1, got {norm:.4f}")
@@ -57,26 +61,13 @@ class PoseConfig:
 class TimeoutsConfig:
     """Every wait has an end."""
 
-    source_wall: float = 1.0  # s of wall time that A waits for B's chi of a tick (lockstep)
-    source_stale: float = 0.05  # s of simulated time after which B's chi is stale (realtime)
-    source_patience: float = 0.5  # s of simulated time that A waits for B's first chi (realtime)
-    plan_stale: float = 0.25  # s of simulated time after which a plan is stale (realtime)
-    command_wall: float = 2.0  # s of wall time that the bridge waits for a command (lockstep)
-    watchdog: float = 0.1  # s of simulated time without a command after which all joints brake
-    target_horizon: float = 60.0  # s of simulated time that a target's stamp may be ahead
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a timeout that is not positive."""
-        positive(
-            where,
-            source_wall=self.source_wall,
-            source_stale=self.source_stale,
-            source_patience=self.source_patience,
-            plan_stale=self.plan_stale,
-            command_wall=self.command_wall,
-            watchdog=self.watchdog,
-            target_horizon=self.target_horizon,
-        )
+    source_wall: Positive = 1.0  # s of wall time that A waits for B's chi of a tick (lockstep)
+    source_stale: Positive = 0.05  # s of simulated time after which B's chi is stale (realtime)
+    source_patience: Positive = 0.5  # s of simulated time that A waits for B's first chi (realtime)
+    plan_stale: Positive = 0.25  # s of simulated time after which a plan is stale (realtime)
+    command_wall: Positive = 2.0  # s of wall time that the bridge waits for a command (lockstep)
+    watchdog: Positive = 0.1  # s of simulated time without a command after which all joints brake
+    target_horizon: Positive = 60.0  # s of simulated time that a target's stamp may be ahead
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,12 +75,8 @@ class HtmpcRunConfig:
     """How the HTMPC runs beside the controllers."""
 
     parameters: str = "lexstack"  # a file of config/htmpc
-    rate: float = 20.0  # Hz, plans per simulated second; rounded to whole ticks
+    rate: Positive = 20.0  # Hz, plans per simulated second; rounded to whole ticks
     always: bool = False  # whether its node runs also where the scenario has no sequences
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a rate that is not positive."""
-        positive(where, rate=self.rate)
 
     def ticks(self, rate: float) -> int:
         """Return the ticks from plan to plan, given the ticks per second."""
@@ -100,8 +87,8 @@ class HtmpcRunConfig:
 class SequenceChangeConfig:
     """A change of a sequence that is being executed."""
 
-    robot: str
-    change: Literal["release", "retarget", "cancel"]
+    robot: str  # its name in the scenario
+    change: Literal["release", "retarget", "cancel"]  # what happens to the task
     task: str  # its name
     points: tuple[tuple[float, ...], ...] = ()  # retarget: where it leads now
 
@@ -110,46 +97,48 @@ class SequenceChangeConfig:
 class EventConfig:
     """What happens at one time: new references, and perhaps a switch of the stack."""
 
-    at: float  # s, simulated
+    at: NotNegative  # s, simulated
     switch: str = ""  # the stack to switch to; empty: none
-    duration: float = 0.0  # s of the transition; 0: from the scenario's transition
+    duration: NotNegative = 0.0  # s of the transition; 0: from the scenario's transition
     robots: tuple[str, ...] = ()  # that switch; empty: all that the stack moves
     ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # by robot
-    base_target: dict[str, Vector3] = field(default_factory=dict)  # by robot: x, y, yaw
+    # by robot: x [m], y [m], yaw [rad]
+    base_target: dict[str, Vector3] = field(default_factory=dict)
     execute: tuple[str, ...] = ()  # names of sequences that begin
     changes: tuple[SequenceChangeConfig, ...] = ()  # of sequences that are under way
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for negative times."""
-        not_negative(where, at=self.at, duration=self.duration)
 
 
 @dataclass(frozen=True, slots=True)
 class ScenarioConfig:
     """A whole run."""
 
-    name: str
-    description: str
-    robots: dict[str, PlacementConfig]  # in the order of chi
-    rate: float  # Hz, ticks per simulated second
-    duration: float  # s, simulated
-    initial_stack: str
-    transition: TransitionConfig
-    events: tuple[EventConfig, ...] = ()
-    ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # default: where it starts
-    base_target: dict[str, Vector3] = field(default_factory=dict)  # default: where it starts
+    name: Name  # of the run
+    description: str  # in a sentence
+    robots: Annotated[  # in the order of chi
+        dict[RosName, PlacementConfig], NotEmpty("at least one robot is needed")
+    ]
+    rate: Annotated[Positive, Range(most=_FASTEST)]  # Hz, ticks per simulated second
+    duration: Annotated[Positive, Range(most=_LONGEST)]  # s, simulated
+    initial_stack: str  # a name of config/stacks
+    transition: TransitionConfig  # how the controller goes from stack to stack
+    events: tuple[EventConfig, ...] = ()  # what happens when
+    # first goals by robot, m and rad; default: where it starts
+    ee_target: dict[str, PoseConfig] = field(default_factory=dict)
+    # first goals by robot, x [m], y [m], yaw [rad]; default: where it starts
+    base_target: dict[str, Vector3] = field(default_factory=dict)
     obstacles: dict[str, ObstacleConfig] = field(default_factory=dict)  # by name
     plant: PlantConfig = field(default_factory=PlantConfig)  # default: as its model says
-    timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)
-    lead_in: float = 0.5  # s, in which a reference moves to a new target; 0: it steps
+    timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)  # how long who waits for whom
+    lead_in: NotNegative = 0.5  # s, in which a reference moves to a new target; 0: it steps
     limit_jerk: bool = False  # at every tick, not only in transitions by bridge_jerk
+    # the MPC, where there are sequences
     htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)
     sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
     streams: tuple[StreamConfig, ...] = ()  # of targets
     solvers: int = 1  # processes that solve for robot A, each for some of the robots
     solver: str = "daqp"  # a key of lexstack.hqp.SOLVERS
-    mode: Mode = "lockstep"
-    seed: int = 0
+    mode: Mode = "lockstep"  # wait for every tick's answers, or follow the clock
+    seed: int = 0  # of everything random
 
     @property
     def horizon_ticks(self) -> int:
@@ -169,12 +158,6 @@ class ScenarioConfig:
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for unknown robots and values out of range."""
-        names(where, name=self.name)
-        names(where, ros=True, robots=self.robots)
-        positive(where, rate=self.rate, duration=self.duration)
-        not_negative(where, lead_in=self.lead_in)
-        at_most(where, _FASTEST, rate=self.rate)
-        at_most(where, _LONGEST, duration=self.duration)
         self._check_counts(where)
         targets: list[tuple[str, dict[str, PoseConfig] | dict[str, Vector3]]] = [
             ("ee_target", self.ee_target),
@@ -208,9 +191,7 @@ class ScenarioConfig:
                     )
 
     def _check_counts(self, where: str) -> None:
-        """Raise ConfigurationError without robots, or for more solvers than robots."""
-        if not self.robots:
-            raise ConfigurationError(f"{where}: robots: at least one robot is needed")
+        """Raise ConfigurationError for more solvers than robots."""
         if not 1 <= self.solvers <= len(self.robots):
             raise ConfigurationError(
                 f"{where}: solvers: must be in [1, {len(self.robots)}], one for each robot at most"

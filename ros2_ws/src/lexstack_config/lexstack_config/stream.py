@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 from lexstack.errors import ConfigurationError
-from lexstack.options import at_most, finite, not_negative, positive
-from lexstack.robots import Vector3
+from lexstack.options import Finite, Finite3, NotNegative, Positive, Range
 
 _FASTEST = 1000.0  # Hz
 
@@ -16,20 +15,16 @@ _FASTEST = 1000.0  # Hz
 class StreamConfig:
     """Targets at a steady rate: where the robot starts, plus swing sin(2 pi frequency t)."""
 
-    robot: str
-    end: float  # s, simulated
-    swing: Vector3  # m, along x, y, z of the world; of a base: m, m, rad
-    frequency: float  # Hz, of the swing
-    target: Literal["ee", "base"] = "ee"
-    rate: float = 60.0  # Hz, messages per simulated second
-    start: float = 0.0  # s, simulated
-    ahead: float = 0.0  # s, how far its stamps are ahead; 0: without a stamp, which means now
+    robot: str  # its name in the scenario
+    end: Finite  # s, simulated
+    swing: Finite3  # m, along x, y, z of the world; of a base: m, m, rad
+    frequency: Positive  # Hz, of the swing
+    target: Literal["ee", "base"] = "ee"  # of its tool (ee) or of its base
+    rate: Annotated[Positive, Range(most=_FASTEST)] = 60.0  # Hz, messages per simulated second
+    start: NotNegative = 0.0  # s, simulated
+    ahead: NotNegative = 0.0  # s, how far its stamps are ahead; 0: without a stamp, which means now
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        positive(where, rate=self.rate, frequency=self.frequency)
-        at_most(where, _FASTEST, rate=self.rate)
-        not_negative(where, start=self.start, ahead=self.ahead)
-        finite(where, swing=self.swing, end=self.end)
+        """Raise ConfigurationError for a stream that ends before it begins."""
         if self.end <= self.start:
             raise ConfigurationError(f"{where}: end: must be after start, got {self.end}")

@@ -125,7 +125,7 @@ class StackSolver:
         """Return level 1 of a stack with minimum velocity below it."""
         robots = range(len(self._team.robots)) if stack.robots is None else stack.robots
         tasks = tuple(
-            TASKS["minimum_velocity"](self._team, robot, {}, "at rest") for robot in robots
+            TASKS["velocity_damping"](self._team, robot, {}, "at rest") for robot in robots
         )
         levels = (stack.levels[0], Level(tasks, (1.0,) * len(tasks)))
         return Stack(f"{stack.name}{AT_REST}", levels, stack.limits, stack.robots)

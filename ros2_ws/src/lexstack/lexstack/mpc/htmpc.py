@@ -142,7 +142,7 @@ class Htmpc:
                 continue
             guess = known[i] if i < len(known) else EMPTY
             level = Level(self.config, program, task, tuple(guards), guess)
-            if i and self.config.resume:
+            if i and self.config.restart_from_previous:
                 iterate = level.better(iterate, guessed)
             iterate, status = level.solve(iterate)
             holding.append(level.holding)

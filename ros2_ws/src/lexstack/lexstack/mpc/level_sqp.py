@@ -89,9 +89,9 @@ class Level:
         The task's own part counts: level 1 could always go on to save effort, which the levels
         below spend again.
         """
-        least = self._config.enough * abs(self._program.cost(before, self._task))
+        least = self._config.early_stop_ratio * abs(self._program.cost(before, self._task))
         gained = self._cost(before) - self._cost(after)
-        return self._config.enough > 0.0 and gained < least
+        return self._config.early_stop_ratio > 0.0 and gained < least
 
     def _cost(self, iterate: Iterate) -> float:
         """Return J of H(8) alone."""
@@ -189,7 +189,7 @@ class Level:
         direction, word = limited.solve(rows.lower, rows.upper)
         # Kept before the second QP: it is a guess for the first one of the next iteration.
         self.holding = limited.holding
-        if word != "solved" or not (self._config.correction and self._guards):
+        if word != "solved" or not (self._config.second_order_correction and self._guards):
             return direction, none, word
         # A step by s d has the second-order error s^2 c. Where max |c| exceeds 0.05, s is chosen so
         # that s^2 max |c| = 0.05; otherwise s = 1.

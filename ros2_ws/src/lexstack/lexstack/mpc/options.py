@@ -3,89 +3,62 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 from lexstack.errors import ConfigurationError
-from lexstack.options import not_negative, positive
+from lexstack.options import NotNegative, Positive, Range
 
 Constraint = Literal["sum", "stage", "axis"]
 """How the levels below keep a level's result: H(11) as printed, per stage, or H(12)."""
 
 _MOST_STAGES = 100
+_Fraction = Annotated[float, Range(0.0, 1.0, open=True)]
 
 
 @dataclass(frozen=True, slots=True)
 class TaskWeightsConfig:
     """Weights of H(8) and the tolerance of H(13), for one kind of task."""
 
-    stage: float  # Q of the positions [1/m2]
-    terminal: float  # P of the positions [1/m2]
-    stage_angle: float  # Q of the angles [1/rad2]
-    terminal_angle: float  # P of the angles [1/rad2]
-    tolerance: float  # delta of the positions [m]
-    tolerance_angle: float  # delta of the angles [rad]
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        not_negative(
-            where,
-            stage=self.stage,
-            stage_angle=self.stage_angle,
-            tolerance=self.tolerance,
-            tolerance_angle=self.tolerance_angle,
-        )
-        positive(where, terminal=self.terminal, terminal_angle=self.terminal_angle)
+    stage: NotNegative  # Q of the positions [1/m2]
+    terminal: Positive  # P of the positions [1/m2]
+    stage_angle: NotNegative  # Q of the angles [1/rad2]
+    terminal_angle: Positive  # P of the angles [1/rad2]
+    tolerance: NotNegative  # delta of the positions [m]
+    tolerance_angle: NotNegative  # delta of the angles [rad]
 
 
 @dataclass(frozen=True, slots=True)
 class EffortConfig:
     """Weights of H(10), for the joints of base and arm."""
 
-    base_velocity: float  # S_v [s2/m2, s2/rad2]
-    arm_velocity: float  # S_v [s2/rad2]
-    base_input: float  # R [s4/m2, s4/rad2]
-    arm_input: float  # R [s4/rad2]
-    base_change: float  # W [s4/m2, s4/rad2]
-    arm_change: float  # W [s4/rad2]
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range: R makes the program convex."""
-        positive(where, base_input=self.base_input, arm_input=self.arm_input)
-        not_negative(
-            where,
-            base_velocity=self.base_velocity,
-            arm_velocity=self.arm_velocity,
-            base_change=self.base_change,
-            arm_change=self.arm_change,
-        )
+    base_velocity: NotNegative  # S_v [s2/m2, s2/rad2]
+    arm_velocity: NotNegative  # S_v [s2/rad2]
+    base_input: Positive  # R [s4/m2, s4/rad2]: > 0, so that the program is convex
+    arm_input: Positive  # R [s4/rad2]: > 0, so that the program is convex
+    base_change: NotNegative  # W [s4/m2, s4/rad2]
+    arm_change: NotNegative  # W [s4/rad2]
 
 
 @dataclass(frozen=True, slots=True)
 class BarrierConfig:
     """A relaxed log barrier: -mu ln(z) for z > zeta, a parabola below."""
 
-    mu: float  # its weight
-    zeta: float  # m, rad, m/s ...: where the parabola begins
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        positive(where, mu=self.mu, zeta=self.zeta)
+    mu: Positive  # its weight
+    zeta: Positive  # m, rad, m/s ...: where the parabola begins
 
 
 @dataclass(frozen=True, slots=True)
 class CollisionConfig:
     """Distances that the spheres of the robot keep, H(7c)."""
 
-    mu: float  # weight of the barrier
-    zeta: float  # m, where its parabola begins
-    margin: float  # m, delta_safe
-    influence: float  # m, distances beyond it cost nothing; 0: all do, as in H
+    mu: Positive  # weight of the barrier
+    zeta: Positive  # m, where its parabola begins
+    margin: NotNegative  # m, delta_safe
+    influence: NotNegative  # m, distances beyond it cost nothing; 0: all do, as in H
     ground: bool  # whether the arm keeps away from the floor too
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        positive(where, mu=self.mu, zeta=self.zeta)
-        not_negative(where, margin=self.margin, influence=self.influence)
+        """Raise ConfigurationError for an influence that no distance is within."""
         if self.influence and self.influence <= self.margin + self.zeta:
             raise ConfigurationError(
                 f"{where}: influence: must be beyond margin + zeta, got {self.influence}"
@@ -96,53 +69,37 @@ class CollisionConfig:
 class LineSearchConfig:
     """Backtracking: steps 1, beta, beta^2 ... until descent and H(13) hold."""
 
-    descent: float  # of the cost that the slope promises, this part must come (Armijo)
-    beta: float  # factor from trial to trial
-    trials: int  # then no step
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        for name, value in (("descent", self.descent), ("beta", self.beta)):
-            if not 0.0 < value < 1.0:
-                raise ConfigurationError(f"{where}: {name}: must be in (0, 1), got {value}")
-        if self.trials < 1:
-            raise ConfigurationError(f"{where}: trials: must be at least 1, got {self.trials}")
+    descent: _Fraction  # of the cost that the slope promises, this part must come (Armijo)
+    beta: _Fraction  # factor from trial to trial
+    trials: Annotated[int, Range(1)]  # then no step
 
 
 @dataclass(frozen=True, slots=True)
 class HtmpcConfig:
     """One set of parameters of the HTMPC, H(7) to H(13)."""
 
-    name: str
-    horizon: int  # N, stages
-    step: float  # s, length of a stage
-    iterations: int  # MAX_ITER of Algorithm 2, per level
-    enough: float  # of the cost: the last iteration is one whose task gains less; 0: never enough
+    name: str  # of its file
+    horizon: Annotated[int, Range(2, _MOST_STAGES)]  # N, stages
+    step: Positive  # s, length of a stage
+    iterations: Annotated[int, Range(1)]  # MAX_ITER of Algorithm 2, per level
+    # of the cost: an iteration whose task gains less is the last one; 0: none is
+    early_stop_ratio: NotNegative
     lexicographic: Constraint  # H(11) as printed (sum), H(11) per stage, or H(12) (axis)
-    correction: bool  # second-order correction: one more solve with the true errors of the step
-    resume: bool  # a level below may begin at the plan before, where it costs less and H(13) holds
+    second_order_correction: bool  # one more solve with the true errors of the step
+    # a level below may begin at the previous plan, where that costs less and H(13) holds
+    restart_from_previous: bool
     hard_limits: bool  # limits of state and input as constraints too, not as barriers alone
-    ee: TaskWeightsConfig
-    base: TaskWeightsConfig
-    effort: EffortConfig
-    limits: BarrierConfig
-    collision: CollisionConfig
-    line_search: LineSearchConfig
+    ee: TaskWeightsConfig  # weights of tasks of the tool
+    base: TaskWeightsConfig  # weights of tasks of the platform
+    effort: EffortConfig  # weights of velocity, input and its changes
+    limits: BarrierConfig  # barrier before the limits of the joints
+    collision: CollisionConfig  # distances to obstacles
+    line_search: LineSearchConfig  # how a step is shortened
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        if not 2 <= self.horizon <= _MOST_STAGES:
-            raise ConfigurationError(
-                f"{where}: horizon: must be in [2, {_MOST_STAGES}], got {self.horizon}"
-            )
-        positive(where, step=self.step)
-        if self.correction and self.lexicographic != "axis":
-            raise ConfigurationError(f"{where}: correction: needs lexicographic: axis")
-        not_negative(where, enough=self.enough)
-        if self.iterations < 1:
-            raise ConfigurationError(
-                f"{where}: iterations: must be at least 1, got {self.iterations}"
-            )
+        """Raise ConfigurationError for a correction of what has none."""
+        if self.second_order_correction and self.lexicographic != "axis":
+            raise ConfigurationError(f"{where}: second_order_correction: needs lexicographic: axis")
 
 
 DEFAULT_HTMPC = HtmpcConfig(
@@ -150,10 +107,10 @@ DEFAULT_HTMPC = HtmpcConfig(
     horizon=10,
     step=0.1,
     iterations=3,
-    enough=0.03,
+    early_stop_ratio=0.03,
     lexicographic="axis",
-    correction=True,
-    resume=False,
+    second_order_correction=True,
+    restart_from_previous=False,
     hard_limits=True,
     ee=TaskWeightsConfig(640.0, 6400.0, 100.0, 1000.0, 0.01, 0.01),
     base=TaskWeightsConfig(54.0, 540.0, 100.0, 1000.0, 0.01, 0.01),

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import pinocchio as pin
 
 from lexstack.errors import ModelError
+from lexstack.options import build
 from lexstack.robots.assembly import description_path
 from lexstack.robots.options import ArmConfig, BaseConfig, FrameConfig, RobotConfig, WheelsConfig
 from lexstack.types import Vector
@@ -58,7 +59,7 @@ def mobile_manipulator(
         mount=FrameConfig("base", (0.0, 0.0, _HEIGHT), (0.0, 0.0, 0.0)),
         joints=names[:n],
         fixed=dict.fromkeys(names[n:], 0.0),
-        home=tuple(home),
+        home=tuple(float(angle) for angle in home),
         position_lower=of_urdf(model.lowerPositionLimit),
         position_upper=of_urdf(model.upperPositionLimit),
         velocity=of_urdf(model.velocityLimit),
@@ -71,7 +72,7 @@ def mobile_manipulator(
         armature=same(0.1),
         q_star_distance=same(0.1),
     )
-    arm.validate(f"robot {name}: arm")
+    arm = build(ArmConfig, arm, f"robot {name}: arm")
     return RobotConfig(name, _platform(), arm, FrameConfig(tool, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
 
 

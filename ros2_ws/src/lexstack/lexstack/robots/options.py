@@ -5,30 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from lexstack.errors import ConfigurationError
-from lexstack.options import finite, not_negative, positive, same_length
+from lexstack.options import Finite, Finite3, NotNegative, Positive, same_length
 
 Vector3 = tuple[float, float, float]
 """Along x, y, z; of a platform x, y, yaw."""
 
+_Positive3 = tuple[Positive, Positive, Positive]
+
 # The lists of an arm that have one entry per joint.
-_ANGLES = ("home", "position_lower", "position_upper")
-_POSITIVE = (
-    "velocity",
-    "acceleration",
-    "jerk",
-    "torque",
-    "torque_rate",
-    "stiffness",
-    "q_star_distance",
+_PER_JOINT = (
+    *("home", "position_lower", "position_upper", "velocity", "acceleration", "jerk", "torque"),
+    *("torque_rate", "stiffness", "damping", "armature", "q_star_distance"),
 )
-_NOT_NEGATIVE = ("damping", "armature")
 
 
 @dataclass(frozen=True, slots=True)
 class FrameConfig:
     """A fixed frame: its parent link, and its pose in the parent's frame."""
 
-    parent: str
+    parent: str  # name of a link
     xyz: Vector3  # m
     rpy: Vector3  # rad, roll pitch yaw about fixed axes
 
@@ -48,32 +43,17 @@ class WheelsConfig:
 class BaseConfig:
     """A holonomic platform: planar joints x, y, yaw with velocity servos."""
 
-    chassis_size: Vector3  # m, length x width x height of the box
+    chassis_size: _Positive3  # m, length x width x height of the box
     chassis_height: float  # m, box centre above the floor
-    chassis_mass: float  # kg
-    chassis_inertia: Vector3  # kg m2, about the box centre: ixx, iyy, izz
-    wheels: WheelsConfig
-    velocity: Vector3  # m/s, m/s, rad/s
-    acceleration: Vector3  # m/s2, m/s2, rad/s2
-    jerk: Vector3  # m/s3, m/s3, rad/s3
-    servo_gain: Vector3  # N s/m, N s/m, N m s/rad
-    servo_force: Vector3  # N, N, N m
-    q_star_distance: Vector3  # m, m, rad: how far q* may run from q
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        positive(
-            where,
-            chassis_size=self.chassis_size,
-            chassis_mass=self.chassis_mass,
-            chassis_inertia=self.chassis_inertia,
-            velocity=self.velocity,
-            acceleration=self.acceleration,
-            jerk=self.jerk,
-            servo_gain=self.servo_gain,
-            servo_force=self.servo_force,
-            q_star_distance=self.q_star_distance,
-        )
+    chassis_mass: Positive  # kg
+    chassis_inertia: _Positive3  # kg m2, about the box centre: ixx, iyy, izz
+    wheels: WheelsConfig  # four of them
+    velocity: _Positive3  # m/s, m/s, rad/s
+    acceleration: _Positive3  # m/s2, m/s2, rad/s2
+    jerk: _Positive3  # m/s3, m/s3, rad/s3
+    servo_gain: _Positive3  # N s/m, N s/m, N m s/rad
+    servo_force: _Positive3  # N, N, N m
+    q_star_distance: _Positive3  # m, m, rad: how far q* may run from q
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,32 +68,27 @@ class ArmConfig:
     mount: FrameConfig  # parent: base
     joints: tuple[str, ...]  # controlled joints, in the order of chi
     fixed: dict[str, float]  # the other joints of the URDF and where they are held [rad or m]
-    home: tuple[float, ...]  # rad
-    position_lower: tuple[float, ...]  # rad
-    position_upper: tuple[float, ...]  # rad
-    velocity: tuple[float, ...]  # rad/s
-    acceleration: tuple[float, ...]  # rad/s2
-    jerk: tuple[float, ...]  # rad/s3
-    torque: tuple[float, ...]  # N m
-    torque_rate: tuple[float, ...]  # N m/s
-    stiffness: tuple[float, ...]  # K_qp of T(40) [N m/rad]
-    damping: tuple[float, ...]  # K_qd of T(40) [N m s/rad]
-    armature: tuple[float, ...]  # kg m2, rotor inertia seen at the joint
-    q_star_distance: tuple[float, ...]  # rad: how far q* may run from q
+    home: tuple[Finite, ...]  # rad
+    position_lower: tuple[Finite, ...]  # rad
+    position_upper: tuple[Finite, ...]  # rad
+    velocity: tuple[Positive, ...]  # rad/s
+    acceleration: tuple[Positive, ...]  # rad/s2
+    jerk: tuple[Positive, ...]  # rad/s3
+    torque: tuple[Positive, ...]  # N m
+    torque_rate: tuple[Positive, ...]  # N m/s
+    stiffness: tuple[Positive, ...]  # K_qp of T(40) [N m/rad]
+    damping: tuple[NotNegative, ...]  # K_qd of T(40) [N m s/rad]
+    armature: tuple[NotNegative, ...]  # kg m2, rotor inertia seen at the joint
+    q_star_distance: tuple[Positive, ...]  # rad: how far q* may run from q
     # rad: where the task ``posture`` leads by default, away from singularities; None: mid-range,
     # which is often singular
-    posture: tuple[float, ...] | None = None
+    posture: tuple[Finite, ...] | None = None
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a list of the wrong length or a value out of range."""
-        lists = {name: getattr(self, name) for name in (*_ANGLES, *_POSITIVE, *_NOT_NEGATIVE)}
-        same_length(where, len(self.joints), **lists)
+        """Raise ConfigurationError for a list of the wrong length, or angles out of range."""
+        same_length(where, len(self.joints), **{name: getattr(self, name) for name in _PER_JOINT})
         if self.posture is not None:
             same_length(where, len(self.joints), posture=self.posture)
-            finite(where, posture=self.posture)
-        finite(where, **{name: lists[name] for name in _ANGLES})
-        positive(where, **{name: lists[name] for name in _POSITIVE})
-        not_negative(where, **{name: lists[name] for name in _NOT_NEGATIVE})
         for i, name in enumerate(self.joints):
             if not self.position_lower[i] < self.position_upper[i]:
                 raise ConfigurationError(f"{where}: {name}: position_lower >= position_upper")
@@ -130,22 +105,17 @@ class SphereConfig:
     """A sphere on a link: together they stand for the robot where distances are kept."""
 
     link: str  # base, or a link of the arm
-    xyz: Vector3  # m, its centre in the link's frame
-    radius: float  # m
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        finite(where, xyz=self.xyz)
-        positive(where, radius=self.radius)
+    xyz: Finite3  # m, its centre in the link's frame
+    radius: Positive  # m
 
 
 @dataclass(frozen=True, slots=True)
 class RobotConfig:
     """One kind of robot: base, arm, and the tool frame that end-effector tasks move."""
 
-    name: str
-    base: BaseConfig
-    arm: ArmConfig
+    name: str  # of its file
+    base: BaseConfig  # the platform
+    arm: ArmConfig  # what it carries
     tool: FrameConfig  # parent: a link of the arm
     spheres: tuple[SphereConfig, ...] = ()  # none: it takes no part in any distance
 
@@ -157,13 +127,8 @@ class ObstacleConfig:
     Its centre is at position + velocity t + swing (1 - cos(2 pi t / period)) / 2.
     """
 
-    position: Vector3  # m, of its centre at time 0, world frame
-    radius: float  # m
-    velocity: Vector3 = (0.0, 0.0, 0.0)  # m/s, constant
-    swing: Vector3 = (0.0, 0.0, 0.0)  # m, how far it goes beside that, and comes back
-    period: float = 10.0  # s, of the swing: there and back, at rest at both ends
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        finite(where, position=self.position, velocity=self.velocity, swing=self.swing)
-        positive(where, radius=self.radius, period=self.period)
+    position: Finite3  # m, of its centre at time 0, world frame
+    radius: Positive  # m
+    velocity: Finite3 = (0.0, 0.0, 0.0)  # m/s, constant
+    swing: Finite3 = (0.0, 0.0, 0.0)  # m, how far it goes beside that, and comes back
+    period: Positive = 10.0  # s, of the swing: there and back, at rest at both ends

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.options import build, positive
+from lexstack.options import Positive, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
 from lexstack.robots.spatial import wrap
@@ -18,11 +18,7 @@ from lexstack.types import Curve, LinearTask
 class BaseParameters:
     """Parameters of the task ``base``."""
 
-    gain: float = 1.0  # lambda [1/s]
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a gain that is not positive."""
-        positive(where, gain=self.gain)
+    gain: Positive = 1.0  # lambda [1/s]
 
 
 class Base:

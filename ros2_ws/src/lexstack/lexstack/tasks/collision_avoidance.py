@@ -26,12 +26,12 @@ Since |c + d| >= n.(c + d), the row is on the safe side of how straight motions 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from lexstack.errors import ConfigurationError
-from lexstack.options import build, not_negative, positive
+from lexstack.options import NotNegative, Positive, Range, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Spheres, Team
 from lexstack.robots.collision_geometry import Indices
@@ -46,23 +46,20 @@ _NEAR = 1e-9  # m, centers nearer than this have no direction between them
 
 @dataclass(frozen=True, slots=True)
 class CollisionAvoidanceParameters:
-    """Parameters of the task ``distance``."""
+    """Parameters of the task ``collision_avoidance``."""
 
-    margin: float = 0.05  # m, between the surfaces
-    influence: float = 0.8  # m, between the surfaces: pairs further apart are not looked at
-    deceleration: float = 1.0  # a [m/s2], with which an approach may end in front of the margin
-    gain: float = 5.0  # g [1/s], of the last part of an approach
-    rows: int = 10  # at most so many pairs, the nearest
+    margin: NotNegative = 0.05  # m, between the surfaces
+    influence: Positive = 0.8  # m, between the surfaces: pairs further apart are not looked at
+    deceleration: Positive = 1.0  # a [m/s2], with which an approach may end in front of the margin
+    gain: Positive = 5.0  # g [1/s], of the last part of an approach
+    rows: Annotated[int, Range(0, open=True)] = 10  # at most so many pairs, the nearest
     obstacles: tuple[str, ...] | None = None  # names in the team; default: all that it has
     robots: tuple[str, ...] = ()  # names of other robots
     ground: bool = False  # whether the arm keeps away from the floor too
     itself: bool = False  # whether its own links keep apart, those that can meet
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        not_negative(where, margin=self.margin)
-        positive(where, deceleration=self.deceleration, gain=self.gain, rows=self.rows)
-        positive(where, influence=self.influence)
+        """Raise ConfigurationError for an influence that ends within the margin."""
         if self.influence <= self.margin:
             raise ConfigurationError(
                 f"{where}: influence: must be > margin = {self.margin}, got {self.influence}"
@@ -77,10 +74,10 @@ class CollisionAvoidance:
         team: Team,
         robot: int,
         parameters: CollisionAvoidanceParameters,
-        where: str = "distance",
+        where: str = "collision_avoidance",
     ) -> None:
         """Make the task of the robot at place ``robot``; raises for names that are not there."""
-        self.name = f"{team.names[robot]}/distance"
+        self.name = f"{team.names[robot]}/collision_avoidance"
         if parameters.gain * team.dt > 1.0:
             limit = f"must be <= {1.0 / team.dt:g} 1/s, one over the control period"
             raise ConfigurationError(f"{where}: gain: {limit}, got {parameters.gain}")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.options import build, positive
+from lexstack.options import Positive, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Pose, Team
 from lexstack.robots.spatial import log3
@@ -19,13 +19,9 @@ from lexstack.types import Curve, LinearTask, Vector
 class EePoseParameters:
     """Parameters of the task ``ee_pose``."""
 
-    gain: float = 3.0  # K_p [1/s]
-    max_linear: float = 0.5  # m/s, saturation of |K_p e| of the position
-    max_angular: float = 1.0  # rad/s, saturation of |K_p e| of the orientation
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value that is not positive."""
-        positive(where, gain=self.gain, max_linear=self.max_linear, max_angular=self.max_angular)
+    gain: Positive = 3.0  # K_p [1/s]
+    max_linear: Positive = 0.5  # m/s, saturation of |K_p e| of the position
+    max_angular: Positive = 1.0  # rad/s, saturation of |K_p e| of the orientation
 
 
 class EePose:

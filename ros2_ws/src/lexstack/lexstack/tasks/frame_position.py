@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.options import build, positive
+from lexstack.options import Positive, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
 from lexstack.tasks.frame_pose import saturated
@@ -18,12 +18,8 @@ from lexstack.types import Curve, LinearTask
 class EePositionParameters:
     """Parameters of the task ``ee_position``."""
 
-    gain: float = 3.0  # K_p [1/s]
-    max_linear: float = 0.5  # m/s, saturation of |K_p e|
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value that is not positive."""
-        positive(where, gain=self.gain, max_linear=self.max_linear)
+    gain: Positive = 3.0  # K_p [1/s]
+    max_linear: Positive = 0.5  # m/s, saturation of |K_p e|
 
 
 class EePosition:

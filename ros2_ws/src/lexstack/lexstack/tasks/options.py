@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from lexstack.errors import ConfigurationError
-from lexstack.options import positive
+from lexstack.options import OLD_NAMES, NotEmpty, Positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,25 +15,20 @@ class TaskConfig:
 
     type: str  # a key of lexstack.tasks.TASKS
     robot: str = ""  # a robot's name; empty: one such task for every robot
-    weight: float = 1.0  # of its squared residual within its level
+    weight: Positive = 1.0  # of its squared residual within its level
     parameters: dict[str, Any] = field(default_factory=dict)  # checked by the task type
 
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a weight that is not positive."""
-        if not 0.0 < self.weight < float("inf"):
-            raise ConfigurationError(f"{where}: weight: must be finite and > 0, got {self.weight}")
+    def __post_init__(self) -> None:
+        """Take an old name of a type for the new one."""
+        object.__setattr__(self, "type", OLD_NAMES["TaskConfig.type"].get(self.type, self.type))
 
 
 @dataclass(frozen=True, slots=True)
 class LevelConfig:
     """Tasks of equal priority."""
 
-    tasks: tuple[TaskConfig, ...]
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a level without tasks."""
-        if not self.tasks:
-            raise ConfigurationError(f"{where}: tasks: a level needs at least one task")
+    # that share the priority
+    tasks: Annotated[tuple[TaskConfig, ...], NotEmpty("a level needs at least one task")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,22 +36,16 @@ class JointLimitConfig:
     """Tighter limits of one joint; what is not given stays as the robot has it."""
 
     position: tuple[float, float] | None = None  # rad (bases: m, m, rad): lower, upper
-    velocity: float | None = None  # rad/s (bases: m/s, m/s, rad/s)
-    acceleration: float | None = None  # rad/s2 (bases: m/s2, m/s2, rad/s2)
-    jerk: float | None = None  # rad/s3 (bases: m/s3, m/s3, rad/s3)
+    velocity: Positive | None = None  # rad/s (bases: m/s, m/s, rad/s)
+    acceleration: Positive | None = None  # rad/s2 (bases: m/s2, m/s2, rad/s2)
+    jerk: Positive | None = None  # rad/s3 (bases: m/s3, m/s3, rad/s3)
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range, or where no limit is given."""
+        """Raise ConfigurationError for an empty range, or where no limit is given."""
         if self.position is not None and not self.position[0] < self.position[1]:
             lower, upper = self.position
             raise ConfigurationError(f"{where}: position: lower {lower} is not below upper {upper}")
-        rates = {
-            name: getattr(self, name)
-            for name in ("velocity", "acceleration", "jerk")
-            if getattr(self, name) is not None
-        }
-        positive(where, **rates)
-        if self.position is None and not rates:
+        if self == JointLimitConfig():
             raise ConfigurationError(f"{where}: no limit is given")
 
 
@@ -64,9 +53,10 @@ class JointLimitConfig:
 class StackConfig:
     """Ordered levels, index 0 the highest priority, and the limits while they are in effect."""
 
-    name: str
-    description: str
-    levels: tuple[LevelConfig, ...]
+    name: str  # of its file
+    description: str  # in a sentence
+    # the highest priority first
+    levels: Annotated[tuple[LevelConfig, ...], NotEmpty("a stack needs at least one level")]
     robots: tuple[str, ...] = ()  # that it moves; empty: all of the team
     # Who solves it in a transition. htmpc: robot A follows the MPC's plan for as long as it is on
     # this stack, and serves its levels where the plan is lost.
@@ -85,9 +75,7 @@ class StackConfig:
         return cls(name, "", levels)
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a stack without levels, or one that contradicts itself."""
-        if not self.levels:
-            raise ConfigurationError(f"{where}: levels: a stack needs at least one level")
+        """Raise ConfigurationError for a stack that contradicts itself."""
         for name in self.robots:
             if self.robots.count(name) > 1:
                 raise ConfigurationError(f"{where}: robots: {name!r} stands in it twice")

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from lexstack.options import build, finite, positive, same_length
+from lexstack.options import Finite, Positive, build, same_length
 from lexstack.references import References
 from lexstack.robots import Kinematics, RobotModel, Team
 from lexstack.types import Curve, LinearTask, Vector
@@ -17,15 +17,9 @@ from lexstack.types import Curve, LinearTask, Vector
 class PostureParameters:
     """Parameters of the task ``posture``."""
 
-    gain: float = 1.0  # lambda [1/s]
+    gain: Positive = 1.0  # lambda [1/s]
     # rad; None: the robot's own posture; mid_range: (q_max + q_min) / 2, as in T
-    target: Literal["mid_range"] | tuple[float, ...] | None = None
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        positive(where, gain=self.gain)
-        if isinstance(self.target, tuple):
-            finite(where, target=self.target)
+    target: Literal["mid_range"] | tuple[Finite, ...] | None = None
 
 
 class Posture:

@@ -11,11 +11,11 @@ from lexstack.tasks.velocity_damping import VelocityDamping
 
 TASKS: dict[str, TaskFactory] = {
     "base": Base.from_config,
-    "distance": CollisionAvoidance.from_config,
+    "collision_avoidance": CollisionAvoidance.from_config,
     "ee_pose": EePose.from_config,
     "ee_position": EePosition.from_config,
-    "minimum_velocity": VelocityDamping.from_config,
     "posture": Posture.from_config,
     "relative_pose": RelativePose.from_config,
+    "velocity_damping": VelocityDamping.from_config,
 }
 """How each task is made, by the type that stack files name."""

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from lexstack.errors import ConfigurationError
-from lexstack.options import build, positive
+from lexstack.options import Positive, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Pose, Team
 from lexstack.tasks.frame_pose import pose_error, saturated
@@ -37,13 +37,9 @@ class RelativePoseParameters:
     """Parameters of the task ``relative_pose``."""
 
     other: str  # name of the robot that holds the object too
-    gain: float = 3.0  # K_p [1/s]
-    max_linear: float = 0.5  # m/s, saturation of |K_p e_p|
-    max_angular: float = 1.0  # rad/s, saturation of |K_p e_R|
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value that is not positive."""
-        positive(where, gain=self.gain, max_linear=self.max_linear, max_angular=self.max_angular)
+    gain: Positive = 3.0  # K_p [1/s]
+    max_linear: Positive = 0.5  # m/s, saturation of |K_p e_p|
+    max_angular: Positive = 1.0  # rad/s, saturation of |K_p e_R|
 
 
 class RelativePose:

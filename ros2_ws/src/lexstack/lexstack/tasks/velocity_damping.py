@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.options import build, positive
+from lexstack.options import Positive, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
 from lexstack.types import LinearTask
@@ -15,14 +15,10 @@ from lexstack.types import LinearTask
 
 @dataclass(frozen=True, slots=True)
 class VelocityDampingParameters:
-    """Parameters of the task ``minimum_velocity``: what a unit of each velocity costs."""
+    """Parameters of the task ``velocity_damping``: what a unit of each velocity costs."""
 
-    base_cost: float = 1.0  # of 1 m/s or 1 rad/s of a base joint
-    arm_cost: float = 1.0  # of 1 rad/s of an arm joint
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a cost that is not positive."""
-        positive(where, base_cost=self.base_cost, arm_cost=self.arm_cost)
+    base_cost: Positive = 1.0  # of 1 m/s or 1 rad/s of a base joint
+    arm_cost: Positive = 1.0  # of 1 rad/s of an arm joint
 
 
 class VelocityDamping:
@@ -32,7 +28,7 @@ class VelocityDamping:
         """Make the task of the robot at place ``robot`` of the team."""
         part = team.slices[robot]
         n = part.stop - part.start
-        self.name = f"{team.names[robot]}/minimum_velocity"
+        self.name = f"{team.names[robot]}/velocity_damping"
         self.robots = (robot,)
         self._matrix = np.eye(n, team.n, part.start)
         self._matrix[:3] *= parameters.base_cost

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from lexstack.options import not_negative, positive
+from lexstack.options import NotNegative, Positive
 
 MethodName = Literal[  # the keys of methods.METHODS
     "bridge",
@@ -26,18 +26,14 @@ MethodName = Literal[  # the keys of methods.METHODS
 class TransitionConfig:
     """How the controller goes from one stack to another."""
 
-    duration: float  # s, of the blend
-    method: MethodName = "bridge"
+    duration: Positive  # s, of the blend
+    method: MethodName = "bridge"  # how the old motion is joined to the new one
     # How alpha rises; time_optimal: as fast as the joints allow, whatever the duration.
     profile: Literal["quintic", "cosine", "linear", "time_optimal"] = "quintic"
     on_loss: Literal["local", "minimum_velocity"] = "local"  # what to follow if the solver is lost
     at_end: Literal["adopt", "stay"] = "adopt"  # adopt the stack, or stay with the solver
-    limits_move: float = 0.0  # s, how long position limits move that a stack changes; 0: least time
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a duration that is not positive, or a negative time."""
-        positive(where, duration=self.duration)
-        not_negative(where, limits_move=self.limits_move)
+    # s, how long position limits move that a stack changes; 0: least time
+    limits_move: NotNegative = 0.0
 
 
 @dataclass(frozen=True, slots=True)

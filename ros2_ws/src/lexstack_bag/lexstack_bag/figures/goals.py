@@ -13,7 +13,7 @@ Verdict = Literal["reached", "not reached", "not judged", "not in this run"]
 PAPER_SEQUENCE = "transition-sequence"
 """The scenario that repeats the paper's Figs. 5 to 9."""
 
-_RESTING = "minimum_velocity"  # ends the name of such a task
+_RESTING = "velocity_damping"  # ends the name of such a task
 _RATIO = 2.3  # H, Sec. V-D
 _ROUNDING = 1e-4  # of a ratio that meets its limit exactly
 

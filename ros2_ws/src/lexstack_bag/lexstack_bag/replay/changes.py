@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 
 from lexstack.errors import ConfigurationError
+from lexstack.options import OLD_NAMES
 from lexstack.transition import METHODS
 from lexstack_bag.run.run import Run
 from lexstack_bag.storage.container import Progress
@@ -119,8 +120,10 @@ def _index(place: Any, name: str, path: Sequence[str]) -> str | int:
             return int(name)
         raise ConfigurationError(f"--set: {where}: no entry {name!r}; it has {len(place)}")
     if isinstance(place, dict):
-        if name in place:
-            return name
+        new = [names[name] for names in OLD_NAMES.values() if name in names]
+        for key in (name, *new):
+            if key in place:
+                return key
         known = ", ".join(str(key) for key in place) or "nothing"
         raise ConfigurationError(f"--set: {where}: unknown key {name!r}; known: {known}")
     raise ConfigurationError(f"--set: {where}: is a value, it has no {name!r}")

@@ -16,7 +16,7 @@ from lexstack.errors import ConfigurationError
 from lexstack.hqp import HqpProblem, Solution, make_solver
 from lexstack.limits import viable_bounds
 from lexstack.mpc import MEASURES, Kind, StageModel
-from lexstack.options import not_negative, positive
+from lexstack.options import NotNegative, Positive
 from lexstack.robots import RobotModel
 from lexstack.types import LinearTask, Vector
 from lexstack_config.reader import build, read_yaml
@@ -26,16 +26,11 @@ from lexstack_config.reader import build, read_yaml
 class HtidkcConfig:
     """One set of gains of the HTIDKC."""
 
-    name: str
-    rate: float  # Hz
-    ee_gain: float  # kappa [1/s]
-    base_gain: float  # kappa [1/s]
-    damping: float  # rho
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a value out of range."""
-        positive(where, rate=self.rate, ee_gain=self.ee_gain, base_gain=self.base_gain)
-        not_negative(where, damping=self.damping)
+    name: str  # of its file
+    rate: Positive  # Hz
+    ee_gain: Positive  # kappa [1/s]
+    base_gain: Positive  # kappa [1/s]
+    damping: NotNegative  # rho
 
 
 def load_htidkc(path: Path) -> HtidkcConfig:

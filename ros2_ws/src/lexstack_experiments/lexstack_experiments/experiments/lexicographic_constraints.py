@@ -58,9 +58,9 @@ def cases(weights: dict[str, HtmpcConfig]) -> Iterator[tuple[Case, HtmpcConfig]]
     for form in reversed(list(FORMS)):
         for delta in TOLERANCES:
             for name, config in weights.items():
-                bent = config.correction and form == "axis"
+                bent = config.second_order_correction and form == "axis"
                 ee = replace(config.ee, tolerance=delta)
-                changed = replace(config, lexicographic=form, correction=bent, ee=ee)
+                changed = replace(config, lexicographic=form, second_order_correction=bent, ee=ee)
                 yield Case(name, form, delta), changed
 
 

@@ -117,7 +117,8 @@ class Judge:
         """Generate the programs of the oracle, and an optimiser for each number of iterations."""
         self._oracle = HtmpcOracle(robot, config, KINDS)
         self._ours = {
-            i: Htmpc(robot, replace(config, iterations=i, enough=0.0), ()) for i in ITERATIONS
+            i: Htmpc(robot, replace(config, iterations=i, early_stop_ratio=0.0), ())
+            for i in ITERATIONS
         }
         self.unsolved = 0
         self.failures = 0

@@ -17,15 +17,15 @@ SHOULDER = 0.841  # m above the floor
 HIGHEST = 2.1  # m: no tool of a Panda on its platform comes so high
 
 KINDS = {
-    "free": ("ee_pose", "minimum_velocity"),
-    "free position": ("ee_position", "minimum_velocity"),
-    "held": ("base", "ee_pose", "minimum_velocity"),
-    "held position": ("base", "ee_position", "minimum_velocity"),
-    "two robots": ("ee_pose", "minimum_velocity"),
-    "posture": ("ee_pose", "posture", "minimum_velocity"),
-    "base below": ("ee_pose", "base", "minimum_velocity"),
-    "relative": ("base", "relative_pose", "minimum_velocity"),
-    "nested": ("base", "relative_pose", "ee_pose", "minimum_velocity"),
+    "free": ("ee_pose", "velocity_damping"),
+    "free position": ("ee_position", "velocity_damping"),
+    "held": ("base", "ee_pose", "velocity_damping"),
+    "held position": ("base", "ee_position", "velocity_damping"),
+    "two robots": ("ee_pose", "velocity_damping"),
+    "posture": ("ee_pose", "posture", "velocity_damping"),
+    "base below": ("ee_pose", "base", "velocity_damping"),
+    "relative": ("base", "relative_pose", "velocity_damping"),
+    "nested": ("base", "relative_pose", "ee_pose", "velocity_damping"),
 }
 """The stacks by what is asked for."""
 
