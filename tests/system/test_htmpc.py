@@ -27,7 +27,7 @@ from lexstack_interfaces.msg import SequenceStatus, TransitionStatus
 from lexstack_interfaces.srv import ChangeSequence
 from lexstack_ros.messages.plans import task_message
 from lexstack_ros.messages.qos import STREAM
-from lexstack_ros.node.calls import wait_until
+from lexstack_ros.node.calls import let_be_known, wait_until
 from lexstack_ros.node.readiness import READY
 from lexstack_testing.played_run import apart, together
 from support.logs import until_printed
@@ -137,6 +137,7 @@ def refused(run):
     """Send goals that cannot be met; each is refused, and the node's log says why."""
     client = ActionClient(run.player, ExecuteSequence, ACTION)
     assert client.wait_for_server(timeout_sec=10.0)
+    let_be_known(run.executor)
     good = task_message(SequenceTask("give", "ee_position", ((1.0, 0.0, 1.0),)))
     wrong = task_message(SequenceTask("give", "ee_position", ((1.0, 0.0, 1.0),)))
     wrong.kind = "tail"

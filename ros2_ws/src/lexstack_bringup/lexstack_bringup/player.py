@@ -26,7 +26,7 @@ from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import STREAM
-from lexstack_ros.node.calls import answer_of, not_taken, wait_until
+from lexstack_ros.node.calls import answer_of, let_be_known, not_taken, wait_until
 from lexstack_ros.node.readiness import is_connected
 
 PLAYER = "scenario_player"
@@ -79,6 +79,7 @@ class Player(Node):
         """
         end = time.monotonic() + timeout
         self._until(self._connected, "all processes to connect", watch, end)
+        let_be_known(self._executor, watch)
         events = sorted(self._scenario.events, key=lambda event: event.at)
         # In lockstep simulated time may run faster than a call takes: what is sent goes far ahead
         # of it, and no farther than a stamp may be.

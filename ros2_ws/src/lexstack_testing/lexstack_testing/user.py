@@ -12,7 +12,7 @@ from rclpy.publisher import Publisher
 from lexstack.errors import LexstackError
 from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
 from lexstack_ros.messages.qos import STREAM
-from lexstack_ros.node.calls import answer_of, wait_until
+from lexstack_ros.node.calls import call, wait_until
 from lexstack_testing.played_run import PlayedRun
 
 PATIENCE = 30.0  # s of wall time for anything
@@ -64,14 +64,9 @@ class Bystander:
         self.wait(lambda: False, seconds)
 
     def call(self, kind: Any, name: str, **request: Any) -> Any:
-        """Return a service's answer; raises InVainError or NoAnswerError where none comes."""
-        client = self.node.create_client(kind, name)
-        self.until(client.service_is_ready, name)
-        answer = answer_of(
-            self.run.executor, client, kind.Request(**request), self.patience, self.run.check
-        )
-        self.node.destroy_client(client)
-        return answer
+        """Return a service's answer; raises NoAnswerError where none comes."""
+        asked = (kind, name, kind.Request(**request))
+        return call(self.node, self.run.executor, *asked, self.patience, watch=self.run.check)
 
     def publisher(self, kind: type, topic: str, qos: Any = STREAM, listeners: int = 1) -> Publisher:
         """Return a publisher that is known to its listeners, as they are to it."""

@@ -8,11 +8,16 @@ from typing import Any
 
 from rclpy.duration import Duration
 from rclpy.executors import Executor
+from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from lexstack.errors import LexstackError
 
 _STEP = 0.05  # s of wall time between two looks where nothing comes
+# s of wall time in which a server comes to know a client that knows it already. A server that
+# hears a request first drops the answer after 0.1 s: the middleware matches the two topics of a
+# service one by one, and a client sees its own half alone.
+_KNOWN = 0.3
 
 
 class NoAnswerError(LexstackError):
@@ -86,3 +91,42 @@ def answer_of(
         client.remove_pending_request(future)
         raise NoAnswerError(f"{client.srv_name}: no answer in {seconds:g} s")
     return future.result()
+
+
+def let_be_known(executor: Executor, watch: Callable[[], Any] = lambda: None) -> None:
+    """Give servers the time to know clients that see them; ``watch`` is that of ``wait_until``."""
+    wait_until(executor, lambda: False, _KNOWN, watch)
+
+
+def call(
+    node: Node,
+    executor: Executor,
+    kind: Any,
+    name: str,
+    request: Any,
+    seconds: float,
+    *,
+    watch: Callable[[], Any] = lambda: None,
+) -> Any:
+    """Return a service's answer to a client of this one call.
+
+    Args:
+        node: of the client; the executor's.
+        executor: works meanwhile.
+        kind: of the service.
+        name: of the service.
+        request: to it.
+        seconds: of wall time for the service to be there, and as long for the answer.
+        watch: that of ``wait_until``.
+
+    Raises:
+        NoAnswerError: nobody serves the name, or no answer comes.
+    """
+    client = node.create_client(kind, name)
+    try:
+        if not wait_until(executor, client.service_is_ready, seconds, watch):
+            raise NoAnswerError(f"{name}: nobody serves it within {seconds:g} s")
+        let_be_known(executor, watch)
+        return answer_of(executor, client, request, seconds, watch)
+    finally:
+        node.destroy_client(client)
