@@ -27,9 +27,9 @@ from lexstack_interfaces.msg import Chi, PlantState
 from lexstack_interfaces.srv import ApplyWrench
 from lexstack_plant.adapters.mujoco import SimBridge
 from lexstack_ros.messages.qos import LATCHED, STREAM
-from lexstack_ros.node import calls
 from lexstack_ros.node.options import NodeOptions
 from lexstack_testing.ros_session import ros_session
+from lexstack_testing.user import Bystander
 from support.plants import make_plant, sine
 from support.scenario import changed, team
 
@@ -78,8 +78,10 @@ class Controller:
         return self.states[-1] if self.states else PlantState()
 
 
-class System:
+class System(Bystander):
     """A bridge, in this process or as one of its own, and a node beside it in the same domain."""
+
+    patience = PATIENCE
 
     def __init__(self, folder, context, mode, *, apart, **parameters):
         timeouts = TimeoutsConfig(command_wall=0.5)
@@ -89,7 +91,7 @@ class System:
         parameters = {"scenario": str(path)} | parameters
         self.process, self.bridge = None, None
         self.executor = EventsExecutor(context=context)
-        self.node = Node("test_controller", context=context)
+        super().__init__(self, Node("test_controller", context=context))
         self.executor.add_node(self.node)
         self.controller = Controller(self.node)
         if apart:
@@ -108,16 +110,11 @@ class System:
     def check(self):
         assert self.process is None or self.process.poll() is None, self.process.stdout.read()
 
-    def until(self, condition):
-        came = calls.wait_until(self.executor, condition, PATIENCE, self.check)
-        assert came, f"waited in vain at tick {self.controller.last.tick}"
-
-    def spin(self, seconds):
-        calls.wait_until(self.executor, lambda: False, seconds, self.check)
+    def place(self):
+        return f" at tick {self.controller.last.tick}"
 
     def call(self, name, kind=Trigger, **request):
-        asked = (kind, f"/sim_bridge/{name}", kind.Request(**request))
-        return calls.call(self.node, self.executor, *asked, PATIENCE, watch=self.check)
+        return super().call(kind, f"/sim_bridge/{name}", **request)
 
     def ready(self):
         controller = self.controller

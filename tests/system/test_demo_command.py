@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from lexstack_bringup.processes import NODES
+from support.logs import until_printed
 from support.runs import read
 from support.scenario import ROOT, SCENARIO
 
@@ -76,12 +77,8 @@ def test_two_demos_at_the_same_time_do_not_meet(tmp_path):
 
 def test_ctrl_c_again_and_again_still_ends_in_order(tmp_path):
     process = demo(tmp_path / "run", shortened(tmp_path, 60.0), "--mode", "realtime")
-    log = tmp_path / "run" / "logs" / "hqp_controller.log"
     end = time.monotonic() + 60.0
-    while "ready" not in (log.read_text(encoding="utf-8") if log.exists() else ""):
-        assert process.poll() is None, process.communicate()
-        assert time.monotonic() < end
-        time.sleep(0.1)
+    until_printed(tmp_path / "run" / "logs" / "hqp_controller.log", "ready", process)
     assert len(nodes_of(tmp_path / "run")) == len(NODES)
     while process.poll() is None:
         process.send_signal(signal.SIGINT)

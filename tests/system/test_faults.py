@@ -17,7 +17,6 @@ from lexstack_experiments.experiment import Options
 from lexstack_experiments.experiments import faults
 from lexstack_experiments.experiments.fault_cuts import CUTS
 from lexstack_experiments.experiments.fault_records import read_record
-from lexstack_ros.messages.qos import STREAM
 from lexstack_testing.faults.cases import CASES, FLOOD
 from lexstack_testing.faults.rig import running
 from support.quiet import MACHINE, TIMEOUT
@@ -166,22 +165,20 @@ def test_a_robot_b_that_starts_anew_knows_the_targets_of_before(tmp_path):
     """At rest on a target that was sent before its start, robot B has nothing to move."""
     scenario = load_scenario(CONFIG / "scenarios" / "faults.yaml")
     with running(scenario, tmp_path) as rig:
-        moved = rig.node.create_publisher(PoseStamped, "/robot_a/ee_target", STREAM)
-        rig.until(lambda: moved.get_subscription_count() >= 2, "listeners")
-        rig.wait(lambda: False, 0.5)
+        moved = rig.publisher(PoseStamped, "/robot_a/ee_target", listeners=2)
         pose = PoseStamped()
         start = build_team(scenario).tools(np.asarray(rig.state.q))[0]
         place, turn = pose.pose.position, pose.pose.orientation
         place.x, place.y, place.z = (start.position + np.array([0.0, 0.0, 0.1])).tolist()
         turn.x, turn.y, turn.z, turn.w = to_quaternion(start.rotation).tolist()
         moved.publish(pose)
-        rig.wait(lambda: False, 4.0)
-        rig.send("stack_solver", signal.SIGKILL)
-        rig.start("stack_solver")
+        rig.spin(4.0)
+        rig.run.send("stack_solver", signal.SIGKILL)
+        rig.run.start("stack_solver")
         rig.switch("track", 1.0)
         rig.until(lambda: rig.follows("robot_b"), "to follow robot B")
         rig.until(lambda: rig.is_on("track"), "the end of the transition")
-        rig.supervisor.end()
+        rig.run.end()
     record = read_record([tmp_path / "bag"])
     first = record.commands[0].chi
     fastest = max(np.abs(command.chi - first).max() for command in record.commands)

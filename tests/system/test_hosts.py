@@ -15,6 +15,7 @@ import yaml
 from lexstack_bringup.hosts import VARIABLES
 from lexstack_interfaces.msg import PlantState
 from lexstack_testing.virtual_lan import Lan, why_not
+from support.logs import until_printed
 from support.runs import acceleration_ratio, read
 from support.scenario import CONFIG, ROOT, SCENARIO, team
 
@@ -68,12 +69,9 @@ class Deployment:
         return (self.folder / name / "logs" / f"{node}.log").read_text(encoding="utf-8")
 
     def connected(self):
-        end = time.monotonic() + PATIENCE
         for name in HOSTS:
-            while "all nodes are connected" not in self.told(name):
-                assert self.processes[name].poll() is None, self.told(name)
-                assert time.monotonic() < end, {name: self.told(name) for name in HOSTS}
-                time.sleep(0.05)
+            log, process = self.folder / f"{name}.txt", self.processes[name]
+            until_printed(log, "all nodes are connected", process, PATIENCE)
 
     def played(self):
         """Wait for the end of the scenario, end the other hosts, and return the bag."""

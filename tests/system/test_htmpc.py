@@ -30,6 +30,7 @@ from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.calls import let_be_known, wait_until
 from lexstack_ros.node.readiness import READY
 from lexstack_testing.played_run import apart, together
+from support.logs import until_printed
 from support.planned_loop import PlannedLoop
 from support.runs import acceleration_ratio, chi_by_tick, read
 from support.scenario import CONFIG, team
@@ -156,19 +157,9 @@ def refused(run):
         future = client.send_goal_async(goal)
         assert wait_until(run.executor, future.done, 15.0)
         assert not future.result().accepted
-        assert f"refused: {ACTION}: " in logged(run, text)
-
-
-def logged(run, text):
-    """Return the line of the HTMPC's log with a text; it may take a moment to be written."""
-    end = time.monotonic() + 10.0
-    while time.monotonic() < end:
-        lines = (run.out / "logs/htmpc.log").read_text(encoding="utf-8").splitlines()
-        found = [line for line in lines if text in line]
-        if found:
-            return found[-1]
-        time.sleep(0.05)
-    raise AssertionError(f"not in the log: {text}")
+        assert f"refused: {ACTION}: " in until_printed(
+            run.out / "logs/htmpc.log", text, patience=10.0
+        )
 
 
 class EnoughSeenError(Exception):

@@ -15,14 +15,13 @@ from std_srvs.srv import SetBool
 
 from lexstack_bringup.processes import NODES
 from lexstack_ros.messages.qos import STREAM
-from lexstack_ros.node import calls
 from lexstack_testing.played_run import apart
+from lexstack_testing.user import Bystander
 from support.listening import sockets
 from support.qos import documented_qos
 from support.runs import short_scenario
 
 pytestmark = [pytest.mark.system, pytest.mark.realtime]
-PATIENCE = 20.0  # s
 ROBOTS = ("robot_a", "robot_b")
 TOOLS = [f"/{r}/{t}" for r in ROBOTS for t in ("joint_states", "ee_pose", "odom")]
 TARGETS = [f"/{r}/{t}" for r in ROBOTS for t in ("ee_target", "base_target")]
@@ -58,21 +57,13 @@ SERVES = {
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory):
-    """Return a long realtime run that has begun."""
+def user(tmp_path_factory):
+    """Return somebody beside a long realtime run that has begun."""
     scenario = short_scenario(mode="realtime", events=(), duration=600.0)
     with apart(scenario, tmp_path_factory.mktemp("run")) as run:
-        assert call(run, SetBool, "/sim_bridge/pause", data=False).success
-        yield run
-
-
-def until(run, condition):
-    assert calls.wait_until(run.executor, condition, PATIENCE, run.check)
-
-
-def call(run, kind, name, **request):
-    request = kind.Request(**request)
-    return calls.call(run.player, run.executor, kind, name, request, PATIENCE, watch=run.check)
+        user = Bystander(run, run.player)
+        assert user.call(SetBool, "/sim_bridge/pause", data=False).success
+        yield user
 
 
 def names(pairs):
@@ -80,9 +71,9 @@ def names(pairs):
 
 
 @pytest.mark.parametrize("node", NODES)
-def test_a_node_has_the_topics_and_services_that_it_shall_have_and_no_other(run, node):
+def test_a_node_has_the_topics_and_services_that_it_shall_have_and_no_other(user, node):
     """The same that ``ros2 node info`` shows."""
-    graph = run.player
+    graph = user.node
     published = names(graph.get_publisher_names_and_types_by_node(node, "/"))
     assert published - ALWAYS - {"/tf_static"} == PUBLISHES[node]
     assert published >= ALWAYS - {"/diagnostics"}
@@ -98,8 +89,8 @@ def test_a_node_has_the_topics_and_services_that_it_shall_have_and_no_other(run,
 
 
 @pytest.mark.parametrize("node", NODES)
-def test_the_ticks_go_before_what_works_beside_them(run, node):
-    pid = next(c.process.pid for c in run.supervisor.children if c.name == node)
+def test_the_ticks_go_before_what_works_beside_them(user, node):
+    pid = user.run.process(node).pid
     mine = os.getpriority(os.PRIO_PROCESS, os.getpid())
     threads = [int(task.name) for task in Path(f"/proc/{pid}/task").iterdir()]
     above = {os.getpriority(os.PRIO_PROCESS, thread) - mine for thread in threads}
@@ -107,8 +98,8 @@ def test_the_ticks_go_before_what_works_beside_them(run, node):
 
 
 @pytest.mark.parametrize("node", NODES)
-def test_every_parameter_says_what_it_is(run, node):
-    listed = call(run, ListParameters, f"/{node}/list_parameters").result.names
+def test_every_parameter_says_what_it_is(user, node):
+    listed = user.call(ListParameters, f"/{node}/list_parameters").result.names
     own = [
         n
         for n in listed
@@ -116,7 +107,7 @@ def test_every_parameter_says_what_it_is(run, node):
         and not n.startswith("qos_overrides")
     ]
     assert own
-    described = call(run, DescribeParameters, f"/{node}/describe_parameters", names=own)
+    described = user.call(DescribeParameters, f"/{node}/describe_parameters", names=own)
     for descriptor in described.descriptors:
         assert descriptor.description, descriptor.name
         numeric = descriptor.type in (2, 3)
@@ -139,20 +130,20 @@ def test_every_parameter_says_what_it_is(run, node):
         ("no_such_parameter", 1, "not been declared|undeclared|not declared"),
     ],
 )
-def test_a_wrong_parameter_is_refused_with_a_reason(run, name, value, why):
+def test_a_wrong_parameter_is_refused_with_a_reason(user, name, value, why):
     parameter = Parameter(name=name, value=value).to_parameter_msg()
-    answer = call(run, SetParameters, "/hqp_controller/set_parameters", parameters=[parameter])
+    answer = user.call(SetParameters, "/hqp_controller/set_parameters", parameters=[parameter])
     assert not answer.results[0].successful
     assert re.search(why, answer.results[0].reason), answer.results[0].reason
 
 
-def test_diagnostics_tell_rates_times_misses_and_ages(run):
+def test_diagnostics_tell_rates_times_misses_and_ages(user):
     heard = []
-    subscription = run.player.create_subscription(
+    subscription = user.node.create_subscription(
         DiagnosticArray, "/diagnostics", lambda m: heard.extend(m.status), STREAM
     )
-    until(run, lambda: {s.name for s in heard} == set(NODES) and len(heard) > 8)
-    run.player.destroy_subscription(subscription)
+    user.until(lambda: {s.name for s in heard} == set(NODES) and len(heard) > 8)
+    user.node.destroy_subscription(subscription)
     last = {s.name: {v.key: v.value for v in s.values} for s in heard}
     robot_a, bridge = last["hqp_controller"], last["sim_bridge"]
     assert 10.0 < float(robot_a["rate [Hz]"]) < 150.0, "about 100 ticks a second"
@@ -171,9 +162,9 @@ def test_diagnostics_tell_rates_times_misses_and_ages(run):
     assert last["recorder"]["lost"] == "0"
 
 
-def test_a_refused_message_is_counted_in_the_diagnostics(run):
+def test_a_refused_message_is_counted_in_the_diagnostics(user):
     heard = []
-    subscription = run.player.create_subscription(
+    subscription = user.node.create_subscription(
         DiagnosticArray, "/diagnostics", lambda m: heard.extend(m.status), STREAM
     )
 
@@ -181,23 +172,22 @@ def test_a_refused_message_is_counted_in_the_diagnostics(run):
         values = [{v.key: v.value for v in s.values} for s in heard if s.name == "hqp_controller"]
         return int(values[-1]["refused messages"]) if values else None
 
-    until(run, lambda: refused() is not None)
+    user.until(lambda: refused() is not None)
     before = refused()
-    publisher = run.player.create_publisher(PoseStamped, TARGETS[0], STREAM)
-    until(run, lambda: publisher.get_subscription_count() >= 2)
+    publisher = user.publisher(PoseStamped, TARGETS[0], listeners=2)
     wrong = PoseStamped()
     wrong.header.frame_id = "world"
     wrong.pose.position.x = float("nan")
     publisher.publish(wrong)
-    until(run, lambda: refused() == before + 1)
-    run.player.destroy_publisher(publisher)
-    run.player.destroy_subscription(subscription)
+    user.until(lambda: refused() == before + 1)
+    user.node.destroy_publisher(publisher)
+    user.node.destroy_subscription(subscription)
 
 
-def test_every_topic_is_heard_with_the_defaults_of_the_tools_and_hears_them(run):
+def test_every_topic_is_heard_with_the_defaults_of_the_tools_and_hears_them(user):
     """``ros2 topic echo`` and rosbag2 ask for a topic with their defaults; ``pub`` offers them."""
     defaults = {"reliable": QoSProfile(depth=10), "best effort": qos_profile_sensor_data}
-    graph = run.player
+    graph = user.node
     for topic in set().union(*PUBLISHES.values()):
         offered = [e.qos_profile for e in graph.get_publishers_info_by_topic(topic)]
         assert offered, topic
@@ -216,7 +206,7 @@ def test_every_topic_is_heard_with_the_defaults_of_the_tools_and_hears_them(run)
                 assert fits != QoSCompatibility.ERROR, (topic, why)
 
 
-def test_the_documented_qos_is_the_one_that_is_offered(run):
+def test_the_documented_qos_is_the_one_that_is_offered(user):
     """But for the depth, which no process tells another: that is held against the sources."""
     documented = {
         topic.replace("NAME", robot): qos[:2]
@@ -224,7 +214,7 @@ def test_the_documented_qos_is_the_one_that_is_offered(run):
         for robot in (ROBOTS if "NAME" in topic else ("",))
     }
     for topic in set().union(*PUBLISHES.values()) | {"/diagnostics"}:
-        offers = run.player.get_publishers_info_by_topic(topic)
+        offers = user.node.get_publishers_info_by_topic(topic)
         ours = [e.qos_profile for e in offers if e.node_name in NODES]
         for profile in ours:
             offered = (
@@ -234,11 +224,11 @@ def test_the_documented_qos_is_the_one_that_is_offered(run):
             assert documented[topic] == offered, topic
 
 
-def test_only_udp_ports_of_dds_are_open(run):
+def test_only_udp_ports_of_dds_are_open(user):
     """DDS: 7400 + 250 domain, and from there 0, 1 (multicast), 10 + 2 p, 11 + 2 p (process p)."""
     domain = int(os.environ["ROS_DOMAIN_ID"])
     first = 7400 + 250 * domain
-    for child in run.supervisor.children:
+    for child in user.run.supervisor.children:
         tcp, udp = sockets(child.process.pid)
         assert not tcp, (child.name, tcp)
         listening = [(host, port) for host, port in udp if first <= port < first + 250]

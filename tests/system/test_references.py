@@ -1,5 +1,6 @@
 """References through all processes: decided once, whenever targets come and whoever sends them."""
 
+import signal
 import time
 from dataclasses import replace
 
@@ -12,14 +13,13 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool
 
 from lexstack.robots import Pose, to_quaternion
-from lexstack_bringup.processes import NODES
 from lexstack_config.resolved import load_scenario
 from lexstack_config.scenario import PoseConfig
 from lexstack_interfaces.msg import References
 from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import LATCHED
 from lexstack_testing.played_run import apart, together
-from lexstack_testing.user import PATIENCE, User
+from lexstack_testing.user import User
 from support.runs import acceleration_ratio, read, short_scenario
 from support.scenario import CONFIG, home, team
 
@@ -160,12 +160,8 @@ def test_a_controller_that_starts_again_goes_on_with_the_last_references(tmp_pat
         user.send(moved(team().tools(home())[0], 0.03, 0.0), 0)
         user.until(lambda: len(user.decisions) > before)
         last = user.decisions[-1]
-        child = next(c for c in run.supervisor.children if c.name == "hqp_controller")
-        child.process.kill()
-        child.process.wait(PATIENCE)
-        run.supervisor.children.remove(child)
-        given = ["--ros-args", "-p", f"scenario:={run.out / 'scenario.yaml'}"]
-        run.supervisor.start("hqp_controller_again", NODES["hqp_controller"], given)
+        run.send("hqp_controller", signal.SIGKILL)
+        run.start("hqp_controller")
         user.until(lambda: user.decisions[-1].sender != last.sender)
         again = user.decisions[-1]
         assert again.revision == 1

@@ -13,6 +13,7 @@ import pytest
 from lexstack_config.resolved import load_scenario
 from lexstack_interfaces.msg import TransitionStatus
 from lexstack_testing.played_run import apart, together
+from support.logs import until_printed
 from support.runs import acceleration_ratio, chi_by_tick, read, short_scenario
 from support.scenario import ROOT, SCENARIO, changed, team
 
@@ -206,12 +207,7 @@ def test_ctrl_c_leaves_no_process_and_a_bag(tmp_path):
         cwd=ROOT,
         env=environment,
     )
-    end = time.monotonic() + 60.0
-    log = out / "logs" / "hqp_controller.log"
-    while "starts at tick" not in (log.read_text(encoding="utf-8") if log.exists() else ""):
-        assert time.monotonic() < end
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.1)
+    until_printed(out / "logs" / "hqp_controller.log", "starts at tick", process)
     children = children_of(process.pid)
     assert len(children) == 4
     process.send_signal(signal.SIGINT)

@@ -12,6 +12,7 @@ from lexstack_bringup.domain import own_domain
 from lexstack_interfaces.msg import PlantState
 from lexstack_ros.intake.plant_states import PlantStates
 from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.node.calls import wait_until
 from support.scenario import home, team
 
 
@@ -49,10 +50,8 @@ def served(context, executor_type, newest, messages):
     time.sleep(0.3)  # all wait
     executor = executor_type(context=context)
     executor.add_node(node)
-    while time.monotonic() < end and (not heard or heard[-1] != 5):
-        executor.spin_once(timeout_sec=0.1)
-    for _ in range(10):
-        executor.spin_once(timeout_sec=0.01)
+    wait_until(executor, lambda: heard and heard[-1] == 5, 10.0)
+    wait_until(executor, lambda: False, 0.1)
     executor.shutdown()
     node.destroy_node()
     return heard, states

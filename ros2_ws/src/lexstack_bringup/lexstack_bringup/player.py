@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from geometry_msgs.msg import PoseStamped
 from rclpy.context import Context
-from rclpy.duration import Duration
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -27,7 +26,7 @@ from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import STREAM
-from lexstack_ros.node.calls import NoAnswerError, answer_of, let_be_known
+from lexstack_ros.node.calls import answer_of, let_be_known, not_taken, wait_until
 from lexstack_ros.node.readiness import is_connected
 
 PLAYER = "scenario_player"
@@ -75,10 +74,11 @@ class Player(Node):
             timeout: of wall time for the whole [s].
 
         Raises:
-            ScenarioFailedError: a service did not answer, a switch was refused, or time ran out.
+            ScenarioFailedError: a switch was refused, or time ran out.
+            NoAnswerError: a service did not answer.
         """
         end = time.monotonic() + timeout
-        self._wait(watch, end, "all processes to connect", self._connected)
+        self._until(self._connected, "all processes to connect", watch, end)
         let_be_known(self._executor, watch)
         events = sorted(self._scenario.events, key=lambda event: event.at)
         # In lockstep simulated time may run faster than a call takes: what is sent goes far ahead
@@ -88,9 +88,13 @@ class Player(Node):
             lead = min(lead, _LEAD)
         events = self._send_due(events, lead)
         self._release()
-        while not self._finished():
-            self._spin(watch, end, "the scenario's end")
+
+        def go_on() -> None:
+            nonlocal events
+            watch()
             events = self._send_due(events, self._now() + lead)
+
+        self._until(self._finished, "the scenario's end", go_on, end)
 
     @property
     def tick(self) -> int:
@@ -104,8 +108,10 @@ class Player(Node):
         due = [event for event in events if event.at <= until]
         for event in due:
             self._send_targets(event)
+        # The run shall not depend on luck.
         if due and self._scenario.mode == "lockstep":
-            self._wait_taken()
+            for topic in not_taken(self._targets.values(), _ANSWER):
+                raise ScenarioFailedError(f"{topic}: not taken by all listeners in {_ANSWER:g} s")
         for event in due:
             if event.switch:
                 self._send_switch(event)
@@ -125,15 +131,6 @@ class Player(Node):
     def _publish(self, topic: str, pose: Pose, quaternion: Vector, at: float) -> None:
         """Publish one target."""
         self._targets[topic].publish(pose_message(pose, at, quaternion))
-
-    def _wait_taken(self) -> None:
-        """Wait until every listener has every target: the run shall not depend on luck.
-
-        An acknowledgement may take as long as the middleware's heartbeat, 3 s.
-        """
-        for topic, publisher in self._targets.items():
-            if not publisher.wait_for_all_acked(Duration(seconds=_ANSWER)):
-                raise ScenarioFailedError(f"{topic}: not taken by all listeners in {_ANSWER:g} s")
 
     def _send_switch(self, event: EventConfig) -> None:
         """Ask robot A to switch its stack at the event's time."""
@@ -155,26 +152,16 @@ class Player(Node):
             raise ScenarioFailedError(f"/sim_bridge/pause refused: {answer.message}")
 
     def _call(self, client: Any, request: Any) -> Any:
-        """Return a service's answer; raises ScenarioFailedError when none comes in time."""
-        try:
-            return answer_of(self._executor, client, request, _ANSWER)
-        except NoAnswerError as error:
-            raise ScenarioFailedError(str(error)) from error
+        """Return a service's answer; raises NoAnswerError when none comes in time."""
+        return answer_of(self._executor, client, request, _ANSWER)
 
     # ---- waiting
 
-    def _wait(
-        self, watch: Callable[[], None], end: float, what: str, done: Callable[[], bool]
+    def _until(
+        self, done: Callable[[], bool], what: str, watch: Callable[[], None], end: float
     ) -> None:
-        """Wait until ``done``."""
-        while not done():
-            self._spin(watch, end, what)
-
-    def _spin(self, watch: Callable[[], None], end: float, what: str) -> None:
-        """Take what has come, watch, and look at the clock."""
-        self._executor.spin_once(timeout_sec=0.1)
-        watch()
-        if time.monotonic() > end:
+        """Wait until ``done``, at most until ``end``; raises ScenarioFailedError."""
+        if not wait_until(self._executor, done, end - time.monotonic(), watch):
             raise ScenarioFailedError(f"time ran out while waiting for {what} (tick {self.tick})")
 
     def _connected(self) -> bool:

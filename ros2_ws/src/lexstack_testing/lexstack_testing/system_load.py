@@ -63,9 +63,9 @@ class Measured:
 def measured(rig: Rig, phase: str, seconds: float) -> Measured:
     """Return what a phase costs; this process sleeps meanwhile."""
     _enter(rig, phase)
-    pids = {child.name: child.process.pid for child in rig.supervisor.children}
+    pids = {child.name: child.process.pid for child in rig.run.supervisor.children}
     result = Measured(phase, memory={name: [] for name in pids})
-    rig.wait(lambda: False, _SETTLE)
+    rig.spin(_SETTLE)
     before, begun, first = _now(rig), time.monotonic(), time.time_ns()
     renewed = begun
     spent = {name: cpu_time(pid) for name, pid in pids.items()}
@@ -91,7 +91,7 @@ def measured(rig: Rig, phase: str, seconds: float) -> Measured:
     result.late = after.late_ticks - before.late_ticks
     result.missing = after.missing_ticks - before.missing_ticks
     result.span = first, time.time_ns()
-    rig.supervisor.check()
+    rig.run.supervisor.check()
     return result
 
 

@@ -104,20 +104,16 @@ class Lockstep:
     def step(self) -> Command:
         """Serve one tick: plans, the solver's answers, the command, the plant's step."""
         state = self.plant.state()
+        transition = self.controller.transition
         for plan in self.plans(state):
-            self.controller.transition.hear_plan(plan)
-        for announcement in self.controller.transition.take_announcements():
+            transition.hear_plan(plan)
+        for announcement in transition.take_announcements():
             self.schedule.hear(announcement)
         # References first: the solver goes by what the controller decides for this very tick.
         self.controller.prepare(state)
         references = self.solver_references.at(state.stamp)
-        wanted = self.schedule.current(state.tick)
-        if wanted and self.solver_answers(state.tick):
-            for announcement in wanted:
-                sample = self.ask_solver(announcement, state, references)
-                heard = None if sample is None else self.link(sample)
-                if heard is not None:
-                    self.controller.transition.hear(heard)
+        for sample in self.answers(state, references):
+            transition.hear(sample)
         command = self.controller.tick(state)
         self.served(state, references, command)
         self.plant.step(command.chi)
@@ -125,6 +121,16 @@ class Lockstep:
 
     def served(self, state: RobotState, references: References, command: Command) -> None:
         """Be told of a tick before the plant's step; for those who keep records."""
+
+    def answers(self, state: RobotState, references: References) -> Iterable[SourceSample]:
+        """Return what the controller hears of the solver before a tick is served."""
+        wanted = self.schedule.current(state.tick)
+        if wanted and self.solver_answers(state.tick):
+            for announcement in wanted:
+                sample = self.ask_solver(announcement, state, references)
+                heard = None if sample is None else self.link(sample)
+                if heard is not None:
+                    yield heard
 
     def answer(
         self, wanted: Announcement, state: RobotState, references: References

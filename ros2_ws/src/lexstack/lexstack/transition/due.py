@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from lexstack.tasks.stack import Stack
+from lexstack.transition.channels.channel import Channel
+from lexstack.transition.channels.lineup import PartOf, as_asked, coupling
 from lexstack.transition.requests import SwitchRequest
 from lexstack.transition.sources.inbox import Choice
 
@@ -28,3 +32,42 @@ class Due:
     def asked(self) -> bool:
         """Whether any request is due."""
         return bool(self.starting or self.waiting or self.dropped)
+
+    @classmethod
+    def decided(
+        cls,
+        tick: int,
+        asked: Iterable[SwitchRequest],
+        first: Callable[[SwitchRequest], Choice | None],
+        channels: Sequence[Channel],
+        stacks: Mapping[str, Stack],
+        part_of: PartOf,
+    ) -> Due:
+        """Return what becomes of each request whose tick has come.
+
+        A request waits for the solver's first chi, and for every older one that shares a robot. One
+        whose robots are coupled with others by now is dropped.
+
+        Args:
+            tick: that is to be served.
+            asked: the requests, the older ones first.
+            first: returns whom a request's robots would follow; None: the wait goes on.
+            channels: of all robots.
+            stacks: all that may be asked for, by name.
+            part_of: makes the part of some robots.
+        """
+        starting, waiting, dropped = [], [], []
+        held = set[int]()
+        for request in asked:
+            choice = first(request)
+            if choice is None or held.intersection(request.robots):
+                waiting.append(request)
+                held.update(request.robots)
+                continue
+            coupled = coupling(channels, part_of(request.robots))
+            if coupled:
+                dropped.append((request, coupled))
+                continue
+            starting.append((request, choice))
+            channels = as_asked(channels, [request], stacks, part_of)
+        return cls(tick, tuple(starting), tuple(waiting), tuple(dropped))

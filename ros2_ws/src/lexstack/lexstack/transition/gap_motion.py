@@ -21,12 +21,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lexstack.transition.robot_group import Columns
+from lexstack.transition.tick_context import TickContext
 from lexstack.types import Vector
 
 Slip = tuple[Vector, float, float]
 """A slip of a latch before, shape (n,), the time since that latch [s], and its tau [s]."""
 
 _SHORT = 0.2  # s, tau; a jump of the source by x makes an excursion of about 4 x at 100 Hz
+_JUMP = 5.0  # of a joint's acceleration limit: more is no acceleration, but a jump of the source
+_FELT = 1e-3  # of a joint's acceleration limit: a smaller difference of accelerations is ignored
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,6 +86,38 @@ class GapMotion:
         if self.acceleration_mismatch is not None:
             slips.append((self.acceleration_mismatch, elapsed, min(_SHORT, self.duration)))
         return tuple(entry for entry in slips if entry[1] < entry[2])
+
+
+def with_mismatch(
+    carry: GapMotion | None,
+    moved: Vector,
+    columns: Columns,
+    duration: float,
+    context: TickContext,
+) -> GapMotion | None:
+    """Return the motion of a gap, now that the source's step from tick to tick is known.
+
+    Args:
+        carry: what was known at the latch, None where the gap had no motion.
+        moved: the command's step at the latch less the source's step after it, shape (n,).
+        columns: the joints of the robots on their way.
+        duration: of the blend [s].
+        context: of the tick after the latch.
+    """
+    # Over dt the difference of the two steps is the gap's rate. What ``carry`` has of it already is
+    # taken off.
+    slip = moved / context.dt
+    limit = context.limits.acceleration
+    if carry is not None:
+        slip -= (carry.at(context.dt) - carry.at(0.0)) / context.dt if carry.older else carry.rate
+    # Joint by joint, so that robots do not affect each other. At most the acceleration limit; a
+    # difference far beyond it is no acceleration, but a jump of the source, and counts as none.
+    size = np.abs(slip)
+    np.minimum(np.maximum(slip, -limit), limit, out=slip)
+    slip[(size <= _FELT * limit) | (size > _JUMP * limit)] = 0.0
+    if not slip[columns].any():
+        return carry
+    return replace(carry or GapMotion.none(slip.size, duration), acceleration_mismatch=slip)
 
 
 def _on(columns: Columns, vector: Vector) -> Vector:

@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from lexstack.limits.joint_limits import JointLimits
-from lexstack.options import shown
 from lexstack.robots import Team
 from lexstack.tasks.stack import AT_REST, Stack
+from lexstack.transition.cancellation import Cancellation
 from lexstack.transition.channel_problem import Plans
 from lexstack.transition.channels.channel import Channel, asked_of
-from lexstack.transition.channels.gathering import begun, together
-from lexstack.transition.channels.lineup import as_asked, coupling, references_before, without
+from lexstack.transition.channels.gathering import begin, together
+from lexstack.transition.channels.lineup import as_asked, coupling, some_of
 from lexstack.transition.due import Due
-from lexstack.transition.messages import Announcement, Phase, SourceSample, TransitionState
-from lexstack.transition.methods import JERK_LIMITED, METHODS
+from lexstack.transition.messages import Announcement, SourceSample, TransitionState
+from lexstack.transition.methods import METHODS
 from lexstack.transition.options import TransitionOptions
-from lexstack.transition.requested_limits import RequestedLimits
+from lexstack.transition.requested_limits import RequestedLimits, of_tick
 from lexstack.transition.requests import Answer, RequestBook, SwitchRequest, in_effect
-from lexstack.transition.robot_group import RobotGroup
-from lexstack.transition.sources.announcements import Announcer, Wanted
+from lexstack.transition.robot_group import RobotGroups
+from lexstack.transition.sources.announcements import Announcer, wanted_of
 from lexstack.transition.sources.inbox import Choice, LocalSource, Sources
 from lexstack.transition.sources.mpc_plans import HeardPlan, PlanBook
 from lexstack.transition.sources.partial_samples import PartialSampleMerger
-from lexstack.transition.status_report import transition_state
+from lexstack.transition.status_report import coming, transition_state
 from lexstack.transition.tick_context import TickContext
 from lexstack.types import Vector
 
@@ -72,9 +72,9 @@ class Transition:
         self._announcer = Announcer()
         self._tick = 0
         self._pending: tuple[SwitchRequest, ...] = ()  # due, but without a first chi
-        self._parts = {everyone: RobotGroup.of(team, everyone)}
+        self._part = RobotGroups(team)
         initial = stacks[options.initial].of(everyone)
-        first = Channel(self._parts[everyone], (initial,), initial.name)
+        first = Channel(self._part(everyone), (initial,), initial.name)
         self._channels: tuple[Channel, ...] = (first,)
 
     @property
@@ -100,18 +100,10 @@ class Transition:
         """
         some: tuple[int, ...] | None = None
         if robots and stack in self._stacks:
-            strangers = [name for name in robots if name not in self._moved(stack)]
-            if strangers:
-                known = ", ".join(self._moved(stack))
-                return Answer(
-                    False, f"stack {stack!r} does not move {shown(strangers[0])}, but {known}"
-                )
-            if len(set(robots)) < len(robots):
-                return Answer(False, "robots: a name stands in it twice")
-            some = tuple(sorted({self._team.index(name) for name in robots}))
-            task = self._stacks[stack].coupling(some)
-            if task:
-                return Answer(False, f"the task {task!r} of {stack!r} couples more robots")
+            moved = [self._team.names[robot] for robot in self._whose[stack]]
+            some, refusal = some_of(self._stacks[stack], robots, moved, self._team)
+            if refusal:
+                return Answer(False, refusal)
         refusal = self._refusal(stack, at_tick, some)
         if refusal:
             return Answer(False, refusal)
@@ -134,29 +126,16 @@ class Transition:
 
     def cancel(self) -> Answer:
         """Give up all transitions under way and those scheduled, and go back smoothly."""
-        dropped = (*self._pending, *self._book.scheduled)
+        given_up = Cancellation.of(self._channels, (*self._pending, *self._book.scheduled))
+        if given_up is None:
+            return Answer(False, "there is no transition to cancel")
         self._book.clear()
         self._pending = ()
-        blends = [channel for channel in self._channels if channel.blend is not None]
-        if not dropped and not blends:
-            return Answer(False, "there is no transition to cancel")
-        gone = dict.fromkeys(channel.id for channel in blends)
-        gone = gone or dict.fromkeys(request.id for request in dropped[-3:])
-        plural = "s" if len(gone) > 1 else ""
-        what = f"transition{plural} {', '.join(map(str, gone))}"
-        if not blends and len(dropped) > len(gone):
-            what = f"{len(dropped)} transitions, the last of them {', '.join(map(str, gone))},"
-        why = f"{what} {'were' if plural else 'was'} cancelled"
-        concerned = {id(channel) for channel in blends} or {id(each) for each in self._channels}
-        self._channels = tuple(
-            replace(each, aborted=why) if id(each) in concerned else each for each in self._channels
-        )
-        done = f"{what} {'are' if plural else 'is'} cancelled"
-        if not blends:
-            return Answer(True, f"{done} before it began")
-        back = [stack for channel in blends for stack in channel.adopted]
-        answers = [self._back(stack, f"{why}; going back") for stack in back]
-        text = "; ".join([done, *(answer.message for answer in answers)])
+        self._channels = given_up.channels
+        if not given_up.back:
+            return Answer(True, f"{given_up.done} before it began")
+        answers = [self._back(stack, given_up.why) for stack in given_up.back]
+        text = "; ".join([given_up.done, *(answer.message for answer in answers)])
         return replace(answers[-1], message=text)
 
     def end(self) -> None:
@@ -196,18 +175,9 @@ class Transition:
 
     def take_announcements(self) -> list[Announcement]:
         """Return the announcements that the source has not got yet; each is returned once."""
-        wanted: dict[int, Wanted] = {
-            request.id: (request, None) for request in (*self._pending, *self._book.scheduled)
-        }
-        for channel in self._channels:
-            blend = channel.blend
-            if blend is None or blend.alone:
-                continue
-            id_, end = blend.request.id, blend.end
-            if id_ in wanted:
-                other = wanted[id_][1]
-                end = None if end is None or other is None else max(end, other)
-            wanted[id_] = (blend.request, end)
+        blends = [channel.blend for channel in self._channels if channel.blend is not None]
+        followed = [(blend.request, blend.end) for blend in blends if not blend.alone]
+        wanted = wanted_of((*self._pending, *self._book.scheduled), followed)
         news = self._announcer.changes(wanted)
         if news:
             self._sources.keep(wanted)
@@ -219,9 +189,6 @@ class Transition:
     def due(self, tick: int, revision: int | None = None) -> Due:
         """Return which requests begin at this tick, decided once for all that is done in it.
 
-        A request waits for the solver's first chi, and for every older one that shares a robot. One
-        whose robots are coupled with others by now is dropped.
-
         Args:
             tick: that is to be served.
             revision: of the references in effect at it; None: not known.
@@ -230,40 +197,16 @@ class Transition:
         self._sample_plans(asked, tick)
         if not asked:
             return Due(tick)
-        starting, waiting, dropped = [], [], []
-        held, channels = set[int](), list(self._channels)
-        for request in asked:
+
+        def first(request: SwitchRequest) -> Choice | None:
             source = asked_of(self._stacks[request.stack])
-            first = self._sources.first(request.id, request.at_tick, tick, revision, source)
-            if first is None or held.intersection(request.robots):
-                waiting.append(request)
-                held.update(request.robots)
-                continue
-            part = self._part(request.robots)
-            touched = [each for each in channels if part.shares(each.part)]
-            coupled = coupling(touched, part)
-            if coupled:
-                dropped.append((request, coupled))
-                continue
-            starting.append((request, first))
-            channels = as_asked(channels, [request], self._stacks, self._part)
-        return Due(tick, tuple(starting), tuple(waiting), tuple(dropped))
+            return self._sources.first(request.id, request.at_tick, tick, revision, source)
+
+        return Due.decided(tick, asked, first, self._channels, self._stacks, self._part)
 
     def limits(self, due: Due) -> tuple[JointLimits, bool]:
         """Return the limits that a tick asks for, and whether a method limits jerk."""
-        ways = [(channel.part, channel.target, channel.method) for channel in self._channels]
-        for request, _ in due.starting:
-            stay = [set(part.robots) - set(request.robots) for part, _, _ in ways]
-            ways = [
-                (self._part(robots), stack, method)
-                for robots, (_, stack, method) in zip(stay, ways, strict=True)
-                if robots
-            ]
-            goal = (self._part(request.robots), self._stacks[request.stack], request.method)
-            ways.append(goal)
-        return self._asked.of(
-            [(part.columns, stack.limits, method in JERK_LIMITED) for part, stack, method in ways]
-        )
+        return self._asked.of(of_tick(self._channels, due, self._stacks, self._part))
 
     def step(self, due: Due, context: TickContext) -> Plans:
         """Return what the controller solves at this tick.
@@ -281,8 +224,9 @@ class Transition:
             self._pending = due.waiting
             for request, coupled in due.dropped:
                 self._drop(request, coupled)
-            for request, first in due.starting:
-                self._begin(request, first, context)
+            for starting in due.starting:
+                parts = self._stacks, self._sources, self._part
+                self._channels = begin(self._channels, starting, *parts, context)
         held = {robot for request in due.waiting for robot in request.robots}
         channels, plans = [], []
         for channel in self._channels:
@@ -298,8 +242,9 @@ class Transition:
     def finish(self, plans: Plans, chi: Vector) -> tuple[TransitionState, ...]:
         """Return the states to report for this tick, given its chi (n,); adopt at the end."""
         pairs = list(zip(self._channels, plans.each, strict=True))
+        waiting = self._pending, self._book.scheduled
         states = tuple(
-            transition_state(channel, plan, chi, self._coming(channel), adopts=self._adopts)
+            transition_state(channel, plan, chi, coming(channel, *waiting), adopts=self._adopts)
             for channel, plan in pairs
         )
         channels = tuple(
@@ -337,22 +282,6 @@ class Transition:
             for each in self._channels
         )
 
-    def _begin(self, request: SwitchRequest, first: Choice, context: TickContext) -> None:
-        """Move a request's robots from their channels into a new one, in a blend."""
-        part = self._part(request.robots)
-        touched = [each for each in self._channels if part.shares(each.part)]
-        inside = [each.of(self._part(set(each.part.robots) & set(part.robots))) for each in touched]
-        target = self._stacks[request.stack].of(part.robots)
-        references = context.references
-        context = context.between(references_before(inside, references), references)
-        whole = target is self._stacks[request.stack]
-        level = target.first(context.kinematics, references) if whole else ()
-        choice = self._sources.checked(first, context, level)
-        chi = self._sources.chi(choice, target, context)
-        channel = begun(inside, request, (part, target, whole), (choice, chi), context)
-        others = without(self._channels, part.robots, self._part)
-        self._channels = tuple(sorted([*others, channel], key=lambda each: each.part.robots))
-
     def _needs(self, channel: Channel, tick: int, revision: int | None) -> bool:
         """Return whether a channel in a blend waits for the solver's chi of this tick."""
         blend = channel.blend
@@ -364,22 +293,6 @@ class Transition:
         return blend.source is asked_of(blend.way.target) or self._sources.answered_since(
             blend.request.id, blend.start, revision
         )
-
-    def _coming(self, channel: Channel) -> tuple[SwitchRequest, Phase] | None:
-        """Return the next request that takes robots of a channel, and how far it is."""
-        robots = set(channel.part.robots)
-        for requests, phase in (
-            (self._pending, Phase.PREPARING),
-            (self._book.scheduled, Phase.REQUESTED),
-        ):
-            for request in requests:
-                if robots.intersection(request.robots):
-                    return request, phase
-        return None
-
-    def _moved(self, stack: str) -> tuple[str, ...]:
-        """Return the names of the robots that a known stack moves."""
-        return tuple(self._team.names[robot] for robot in self._book.robots(stack))
 
     def _refusal(self, stack: str, at_tick: int, robots: tuple[int, ...] | None = None) -> str:
         """Return why robots cannot go to a stack at a tick, or ''; 0 is the next one.
@@ -395,7 +308,7 @@ class Transition:
             if not at_tick or request.at_tick <= at_tick
         ]
         channels = as_asked(self._channels, earlier, self._stacks, self._part)
-        coupled = coupling([each for each in channels if part.shares(each.part)], part)
+        coupled = coupling(channels, part)
         return coupled and f"stack {stack!r}: {coupled}"
 
     def _back(self, stack: Stack, reason: str) -> Answer:
@@ -403,10 +316,3 @@ class Transition:
         name = stack.name if stack.name in self._stacks else stack.name.removesuffix(AT_REST)
         robots = stack.robots
         return self._book.ask(name, 0.0, "", 0, self._tick, reason=reason, robots=robots)
-
-    def _part(self, robots: Iterable[int]) -> RobotGroup:
-        """Return the part of some robots, made when first asked for."""
-        key = tuple(sorted(robots))
-        if key not in self._parts:
-            self._parts[key] = RobotGroup.of(self._team, key)
-        return self._parts[key]

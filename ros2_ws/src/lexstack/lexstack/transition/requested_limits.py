@@ -2,16 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from lexstack.limits.joint_limits import LIMITS, JointLimits
+from lexstack.tasks.stack import Stack
+from lexstack.transition.channels.channel import Channel
+from lexstack.transition.channels.lineup import PartOf
+from lexstack.transition.due import Due
+from lexstack.transition.methods import JERK_LIMITED
 from lexstack.transition.robot_group import Columns
 
 Asked = tuple[Columns, JointLimits | None, bool]
 """The joints of a channel, the limits of its stack (None: the robots' own), and whether by a method
 that keeps jerk limits."""
+
+
+def of_tick(
+    channels: Iterable[Channel], due: Due, stacks: Mapping[str, Stack], part_of: PartOf
+) -> list[Asked]:
+    """Return what the channels ask for at a tick, with the requests that start at it.
+
+    Args:
+        channels: before the tick.
+        due: the requests of the tick.
+        stacks: all that may be asked for, by name.
+        part_of: makes the part of some robots.
+    """
+    ways = [(channel.part, channel.target, channel.method) for channel in channels]
+    for request, _ in due.starting:
+        stay = [set(part.robots) - set(request.robots) for part, _, _ in ways]
+        ways = [
+            (part_of(robots), stack, method)
+            for robots, (_, stack, method) in zip(stay, ways, strict=True)
+            if robots
+        ]
+        ways.append((part_of(request.robots), stacks[request.stack], request.method))
+    return [(part.columns, stack.limits, method in JERK_LIMITED) for part, stack, method in ways]
 
 
 class RequestedLimits:

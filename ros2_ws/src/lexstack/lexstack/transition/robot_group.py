@@ -62,3 +62,19 @@ class RobotGroup:
         return tuple(
             LinearTask.equality(name, rows, target[columns]) for name, columns, rows in self.pieces
         )
+
+
+class RobotGroups:
+    """The groups of one team, each made when it is first asked for."""
+
+    def __init__(self, team: Team) -> None:
+        """Know the team."""
+        self._team = team
+        self._made: dict[tuple[int, ...], RobotGroup] = {}
+
+    def __call__(self, robots: Iterable[int]) -> RobotGroup:
+        """Return the group of some robots, by their places."""
+        key = tuple(sorted(robots))
+        if key not in self._made:
+            self._made[key] = RobotGroup.of(self._team, key)
+        return self._made[key]

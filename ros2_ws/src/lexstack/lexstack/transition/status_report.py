@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -31,11 +32,29 @@ def with_singularity(state: TransitionState, near: tuple[NearSingular, ...]) -> 
     return replace(state, reason=f"{NEAR}: {', '.join(tasks)}") if tasks else state
 
 
+def coming(
+    channel: Channel, pending: Iterable[SwitchRequest], scheduled: Iterable[SwitchRequest]
+) -> tuple[SwitchRequest, Phase] | None:
+    """Return the next request that takes robots of a channel, and how far it is.
+
+    Args:
+        channel: any.
+        pending: requests that are due, but without a first chi.
+        scheduled: those whose tick has not come yet.
+    """
+    robots = set(channel.part.robots)
+    for requests, phase in ((pending, Phase.PREPARING), (scheduled, Phase.REQUESTED)):
+        for request in requests:
+            if robots.intersection(request.robots):
+                return request, phase
+    return None
+
+
 def transition_state(
     channel: Channel,
     plan: Plan,
     chi: Vector,
-    coming: tuple[SwitchRequest, Phase] | None,
+    next_: tuple[SwitchRequest, Phase] | None,
     *,
     adopts: bool,
 ) -> TransitionState:
@@ -45,7 +64,7 @@ def transition_state(
         channel: before it adopts.
         plan: of this tick.
         chi: that was solved, shape (n,).
-        coming: the next request for any of its robots, and whether it is requested or preparing.
+        next_: the next request for any of its robots, and whether it is requested or preparing.
         adopts: whether the controller adopts the stack at the end.
     """
     blend, names = channel.blend, channel.part.names
@@ -54,8 +73,8 @@ def transition_state(
         origin = channel.origin
         if channel.aborted:
             phase = Phase.ABORTED
-        elif coming is not None:
-            request, phase = coming
+        elif next_ is not None:
+            request, phase = next_
             # A request leaves the stack in effect, not the one that was left by the last request.
             id_, origin, stack, part = request.id, stack, request.stack, 0.0
         return TransitionState(

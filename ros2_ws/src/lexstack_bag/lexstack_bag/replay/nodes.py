@@ -8,26 +8,24 @@ positions and velocities, and q*, stay the recorded ones.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+from collections.abc import Callable
 
 import numpy as np
 
-from lexstack.control import Controller
 from lexstack.tasks import Stack
 from lexstack.transition import Columns
-from lexstack.types import Matrix, Vector
+from lexstack.types import Matrix
 from lexstack_bag.figures.series import COMMANDER
 from lexstack_bag.replay.changes import Question
 from lexstack_bag.replay.decisions import Decisions
+from lexstack_bag.replay.loop import ReplayLoop
 from lexstack_bag.replay.outcome import Outcome, joints_of
-from lexstack_bag.replay.planner import PLANNER, heard_plans, replay_planner
-from lexstack_bag.replay.requests import Ask, Cancel, requests_of
-from lexstack_bag.replay.source import SOLVER, LiveSource, RecordedSource, Source, revision_of
-from lexstack_bag.replay.states import EVER, States, all_of, begun_at
+from lexstack_bag.replay.planner import PLANNER, replay_planner
+from lexstack_bag.replay.source import SOLVER, revision_of
+from lexstack_bag.replay.states import States, all_of, begun_at
 from lexstack_bag.run.partial_chi import robots_of
 from lexstack_bag.run.run import Run
-from lexstack_config.parts import Parts, build_controller, build_stack_solver
+from lexstack_config.parts import Parts, build_stack_solver
 
 __all__ = ["REPLAYERS", "Question", "recorded_nodes", "replay_controller", "replay_solver"]
 
@@ -70,56 +68,13 @@ def replay_controller(question: Question) -> Outcome:
     With changes robot B is replayed as well: it solves what the replayed A asks for. Plans of the
     HTMPC are the recorded ones.
     """
-    run, chi = question.run, question.run.chi[COMMANDER]
-    parts = Parts.of(question.resolved, every=True)
-    controller = build_controller(question.resolved, parts)
-    states = States(run)
-    ticks = states.between(int(chi.tick[0]), int(chi.tick[-1])) if len(chi.tick) else []
-    decisions = Decisions(question, parts.team, controller.references)
-    plans = heard_plans(run, parts.team)
-    begun = dict(zip(chi.tick.tolist(), begun_at(chi).tolist(), strict=True))
-    user = _User(requests_of(run, question.changes, question.resolved))
-    source = LiveSource(question, parts) if question.changes else RecordedSource(run, parts.team)
-    replayed = np.full((len(ticks), parts.team.n), np.nan)
-    sent: Vector | None = None
-    for place, tick in enumerate(ticks):
-        state = states[tick]
-        if question.changes and sent is not None:
-            state = replace(state, command=sent)
-        now = begun.get(tick, EVER)
-        user.speak(controller, source, tick)
-        decisions.take(state, now)
-        for plan in plans.until(now):
-            controller.transition.hear_plan(plan)
-        source.answer(controller, state, now)
-        sent = replayed[place] = controller.tick(state).chi
-        source.hear(controller.transition.take_announcements())
-        question.progress((place + 1) / len(ticks))
-    return _compared(run, parts, ticks, replayed)
-
-
-class _User:
-    """Asks again what was asked."""
-
-    def __init__(self, requests: Iterable[Ask | Cancel]) -> None:
-        """Take the requests in their order."""
-        self._waiting = list(requests)
-
-    def speak(self, controller: Controller, source: Source, tick: int) -> None:
-        """Ask what was asked before this tick was served."""
-        while self._waiting and self._waiting[0].after < tick:
-            request = self._waiting.pop(0)
-            if isinstance(request, Cancel):
-                controller.transition.cancel()
-            else:
-                controller.transition.ask(
-                    request.stack,
-                    request.duration,
-                    request.method,
-                    request.at_tick,
-                    request.robots,
-                )
-            source.hear(controller.transition.take_announcements())
+    run, parts = question.run, Parts.of(question.resolved, every=True)
+    loop = ReplayLoop(question, parts)
+    replayed = np.full((len(loop.ticks), parts.team.n), np.nan)
+    for place in range(len(loop.ticks)):
+        replayed[place] = loop.step().chi
+        question.progress((place + 1) / len(loop.ticks))
+    return _compared(run, parts, loop.ticks, replayed)
 
 
 def _compared(run: Run, parts: Parts, ticks: list[int], replayed: Matrix) -> Outcome:

@@ -1,53 +1,24 @@
-"""Robot B, as a replayed robot A meets it: as it was recorded, or solving anew."""
+"""Robot B's recorded answers, as robot A took them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import Protocol
+from collections.abc import Iterator
 
 import numpy as np
 
-from lexstack.control import Controller
 from lexstack.robots import Team
-from lexstack.transition import Announcement, SourceSample, SourceSchedule
-from lexstack.types import RobotState
-from lexstack_bag.replay.changes import Question
+from lexstack.transition import SourceSample
 from lexstack_bag.replay.states import Arrivals, all_of
 from lexstack_bag.run.partial_chi import robots_of
 from lexstack_bag.run.run import ChiStream, Run, SolveStatus
-from lexstack_config.parts import Parts, build_stack_solver
 
 SOLVER = "robot_b"
 """Whose chi robot B sends."""
 
 
-class Source(Protocol):
-    """Robot B, as the replayed A meets it."""
-
-    def hear(self, announcements: Iterable[Announcement]) -> None:
-        """Take what A tells it."""
-        ...
-
-    def answer(self, controller: Controller, state: RobotState, now: int) -> None:
-        """Let A hear what it knows when it begins a tick, at a time [ns]."""
-        ...
-
-
-class RecordedSource:
-    """Robot B's recorded answers."""
-
-    def __init__(self, run: Run, team: Team) -> None:
-        """Take them from a run."""
-        samples = _samples(all_of(run, SOLVER), team)
-        self._samples = Arrivals(list(samples))
-
-    def hear(self, announcements: Iterable[Announcement]) -> None:
-        """Do nothing: what B answered is known."""
-
-    def answer(self, controller: Controller, _state: RobotState, now: int) -> None:
-        """Let A hear all that was sent before it began this tick."""
-        for sample in self._samples.until(now):
-            controller.transition.hear(sample)
+def heard_samples(run: Run, team: Team) -> Arrivals[SourceSample]:
+    """Return robot B's answers as robot A took them, by the time of their sending."""
+    return Arrivals(list(_each(all_of(run, SOLVER), team)))
 
 
 def revision_of(chi: ChiStream, row: int) -> int | None:
@@ -62,32 +33,7 @@ def _slack(chi: ChiStream, row: int) -> float | None:
     return float(chi.slacks[row, 0]) if known else None
 
 
-class LiveSource:
-    """Robot B, solving again what the replayed A asks for."""
-
-    def __init__(self, question: Question, parts: Parts) -> None:
-        """Build it."""
-        self._team = parts.team
-        self._solver = build_stack_solver(question.resolved, parts)
-        self._schedule = SourceSchedule()
-
-    def hear(self, announcements: Iterable[Announcement]) -> None:
-        """Know what to solve."""
-        for announcement in announcements:
-            self._schedule.hear(announcement)
-
-    def answer(self, controller: Controller, state: RobotState, _now: int) -> None:
-        """Solve for a state, if a stack is asked for."""
-        for wanted in self._schedule.current(state.tick):
-            if not self._solver.solves(wanted.stack):
-                continue  # the HTMPC's
-            kinematics = self._team.kinematics(state)
-            controller.prepare(state)
-            references = controller.references.at(state.stamp)
-            controller.transition.hear(self._solver.answer(wanted, kinematics, references))
-
-
-def _samples(chi: ChiStream, team: Team) -> Iterator[tuple[int, SourceSample]]:
+def _each(chi: ChiStream, team: Team) -> Iterator[tuple[int, SourceSample]]:
     """Yield B's messages as A took them, with the times of their sending [ns]."""
     for row in range(len(chi.tick)):
         robots = robots_of(str(chi.robots[row]), team)

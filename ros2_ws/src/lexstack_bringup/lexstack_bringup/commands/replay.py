@@ -23,7 +23,8 @@ from lexstack_bag.storage.container import Container, by_log_time, find_files
 from lexstack_bag.storage.decoder import Decoder
 from lexstack_bag.storage.folders import writing
 from lexstack_bag.storage.selection import Selection
-from lexstack_bringup.bag_player import LIVE, BagPlayer, paced
+from lexstack_bringup.bag_player import BagPlayer, paced
+from lexstack_bringup.live_peer import LIVE
 
 _NOBODY = "nobody"
 _FASTEST = 1000.0
@@ -120,9 +121,9 @@ def _publish(options: argparse.Namespace) -> int:
             messages = in_lockstep(messages, Decoder())
         played = player.play(messages, paced(options.rate), user, expected)
         print(f"played {played} messages")
-        if not live:
+        if player.peer is None:
             return 0
-        outcome = player.outcome(live, run)
+        outcome = player.peer.outcome(run)
         print(outcome.line())
         return 0 if outcome.identical else core.DIFFERENT
     finally:

@@ -1,13 +1,15 @@
-"""Waiting with a deadline, for a condition or for a service's answer, while an executor works."""
+"""Waiting with a deadline, for a condition, a service's answer or listeners, all in one place."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
+from rclpy.duration import Duration
 from rclpy.executors import Executor
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 
 from lexstack.errors import LexstackError
 
@@ -38,11 +40,39 @@ def wait_until(
     """
     end = time.monotonic() + seconds
     while not condition():
-        if time.monotonic() > end:
+        left = end - time.monotonic()
+        if left < 0.0:
             return False
-        executor.spin_once(timeout_sec=_STEP)
+        executor.spin_once(timeout_sec=min(_STEP, left))
         watch()
     return True
+
+
+def lasting(condition: Callable[[], bool], seconds: float) -> Callable[[], bool]:
+    """Return whether a condition has held at every look for some time [s], as a condition."""
+    since = [time.monotonic()]
+
+    def lasts() -> bool:
+        now = time.monotonic()
+        if not condition():
+            since[0] = now
+        return now - since[0] >= seconds
+
+    return lasts
+
+
+def not_taken(publishers: Iterable[Publisher], seconds: float) -> list[str]:
+    """Return the topics of which some listener has not got all that was sent, after a while.
+
+    With a node that ends, what is on its way is lost. An acknowledgement may take as long as the
+    middleware's heartbeat, 3 s; a listener that died gives none, so this waits ``seconds`` in all.
+    """
+    end = time.monotonic() + seconds
+    return [
+        publisher.topic_name
+        for publisher in publishers
+        if not publisher.wait_for_all_acked(Duration(seconds=max(end - time.monotonic(), 0.0)))
+    ]
 
 
 def answer_of(

@@ -28,6 +28,7 @@ from lexstack_testing.faults.rig import Rig, running
 _SEE = 4.0  # s of wall time for the others to notice: diagnostics come once a second
 _BLEND = 6.0  # s, long enough for what happens within
 _QUICK = 0.4  # s of the switches between cases
+_FLOOD_BLEND = 0.2  # s
 _DETOUR = ("reach_base", "posture")
 _HOME = "track"
 _SLOW = "lexstack_testing.faults.slow_solver"
@@ -60,13 +61,13 @@ class Trials:
         self._stranger: Stranger | None = None
 
     def perform(self, case: Case) -> Event:
-        """Do one case; raises RigError where the system does not come back."""
+        """Do one case; raises InVainError where the system does not come back."""
         self.calm()
         self._enter(case)
-        event = Event(case.name, bag=str(self._rig.bags[-1]))
+        event = Event(case.name, bag=str(self._rig.run.bags[-1]))
         getattr(self, f"_{case.fault}")(case, event)
         event.rejoined = self._probe(case)
-        event.ended, event.later = time.time_ns(), str(self._rig.bags[-1])
+        event.ended, event.later = time.time_ns(), str(self._rig.run.bags[-1])
         return event
 
     def calm(self) -> None:
@@ -92,7 +93,7 @@ class Trials:
         elif case.phase == "sequence":
             rig.drive(self._x)
             self._x = 0.8 - self._x
-            rig.wait(lambda: False, 0.5)
+            rig.spin(0.5)
 
     def _probe(self, case: Case) -> bool:
         """Return whether robot B serves a switch now; asks a few times, and the HTMPC if it was."""
@@ -113,15 +114,15 @@ class Trials:
 
     def _kill(self, case: Case, event: Event) -> None:
         """Kill a process, let the others see it, start it again."""
-        event.begun = self._rig.send(case.what, signal.SIGKILL)
-        self._rig.wait(lambda: False, _SEE)
-        event.healed = self._rig.start(case.what)
+        event.begun = self._rig.run.send(case.what, signal.SIGKILL)
+        self._rig.spin(_SEE)
+        event.healed = self._rig.run.start(case.what)
 
     def _stop(self, case: Case, event: Event) -> None:
         """Stop a process for a while."""
-        event.begun = self._rig.send(case.what, signal.SIGSTOP)
-        self._rig.wait(lambda: False, STOPPED)
-        event.healed = self._rig.send(case.what, signal.SIGCONT)
+        event.begun = self._rig.run.send(case.what, signal.SIGSTOP)
+        self._rig.spin(STOPPED)
+        event.healed = self._rig.run.send(case.what, signal.SIGCONT)
 
     def _slow(self, case: Case, event: Event) -> None:
         """Put a slow robot B in the place of the fast one, for one whole transition."""
@@ -136,12 +137,8 @@ class Trials:
 
     def _replace(self, module: str) -> None:
         """End robot B in order, and start the other one."""
-        rig = self._rig
-        child = rig.child("stack_solver")
-        child.process.send_signal(signal.SIGINT)
-        child.process.wait(10.0)
-        rig.supervisor.children.remove(child)
-        rig.start("stack_solver", module)
+        self._rig.run.send("stack_solver", signal.SIGINT)
+        self._rig.run.start("stack_solver", module)
 
     def _flood(self, _case: Case, event: Event) -> None:
         """Ask for switches faster than any can be done; every request is answered."""
@@ -151,7 +148,7 @@ class Trials:
         for number in range(FLOOD):
             due = begun + FLOOD_TIME * number / FLOOD
             rig.wait(lambda due=due: time.monotonic() >= due, FLOOD_TIME)  # type: ignore[misc]
-            futures.append(rig.switch_async(stacks[number % len(stacks)]))
+            futures.append(rig.switch_async(stacks[number % len(stacks)], _FLOOD_BLEND))
         event.healed = time.time_ns()
         rig.wait(lambda: all(future.done() for future in futures), 10.0)
         event.answers = sum(future.done() for future in futures)
@@ -159,22 +156,15 @@ class Trials:
     def _disk(self, _case: Case, event: Event) -> None:
         """Record to a disk that is full soon; then begin a new bag on a good one."""
         rig = self._rig
-        self._end_recorder()
+        rig.run.send(RECORDER, signal.SIGINT)
         with small_disk(self._out / "small") as (folder, limit):
-            rig.bags.append(folder / "bag")
-            rig.start(RECORDER, limit, output=str(rig.bags[-1]))
+            rig.run.bags.append(folder / "bag")
+            rig.run.start(RECORDER, limit, output=str(rig.run.bags[-1]))
             event.begun, event.bag = time.time_ns(), str(self._out / "small_copy")
             rig.wait(lambda: bool(rig.complaints.get(RECORDER)), 20.0)
-            rig.wait(lambda: False, 1.5)
-            self._end_recorder()
-        event.healed = rig.start(RECORDER)
-
-    def _end_recorder(self) -> None:
-        """End the recorder in order."""
-        child = self._rig.child(RECORDER)
-        child.process.send_signal(signal.SIGINT)
-        child.process.wait(10.0)
-        self._rig.supervisor.children.remove(child)
+            rig.spin(1.5)
+            rig.run.send(RECORDER, signal.SIGINT)
+        event.healed = rig.run.start(RECORDER)
 
     def _message(self, case: Case, event: Event) -> None:
         """Send wrong messages for a while."""
@@ -183,12 +173,12 @@ class Trials:
             team = [*rig.scenario.robots]
             n = len(rig.state.q) if rig.state is not None else 0
             self._stranger = Stranger(rig.node, team, n)
-            rig.wait(lambda: False, 1.0)
+            rig.spin(1.0)
         before = self._stranger.sent
         event.begun = time.time_ns()
         for _ in range(10):
             self._stranger.send(case.what)
-            rig.wait(lambda: False, 0.15)
+            rig.spin(0.15)
         event.healed, event.sent = time.time_ns(), self._stranger.sent - before
 
 

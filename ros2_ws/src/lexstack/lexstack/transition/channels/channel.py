@@ -14,6 +14,7 @@ from lexstack.transition.blend import Blend
 from lexstack.transition.bridge import goes_on
 from lexstack.transition.channel_problem import Plan
 from lexstack.transition.gap_motion import GapMotion
+from lexstack.transition.hand_over import left_by
 from lexstack.transition.held_back import at_velocity_limit, held_back
 from lexstack.transition.latch_state import HURRY, LatchState
 from lexstack.transition.messages import Source
@@ -21,12 +22,12 @@ from lexstack.transition.methods import BRIDGES
 from lexstack.transition.relatch import LOSSES, level_jumps
 from lexstack.transition.robot_group import RobotGroup
 from lexstack.transition.sources.inbox import Choice, Sources
+from lexstack.transition.take_over import at_end
 from lexstack.transition.tick_context import TickContext
 from lexstack.types import LinearTask, Vector
 
 _NEAR = 10.0  # of what a joint follows in one tick: as old as a plan may be, and two ticks more
 _LOOK = 10  # ticks from look to look whether the velocity limits hold the target's levels back
-_SAME = 1e-3  # of what a joint's acceleration limit allows in one tick: no difference that is felt
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,9 +103,9 @@ class Channel:
         if tally is not blend.tally:
             blend = replace(blend, tally=tally)
         blend = blend.advanced(chi, tick, context, unsteady=unsteady)
-        at_end = adopts and choice.source is Source.ROBOT_B and blend.progress.alpha >= 1.0
-        if at_end and blend.request.method in BRIDGES:
-            blend, why = _at_end(blend, sources.own(target, context), tick, context)
+        ends = adopts and choice.source is Source.ROBOT_B and blend.progress.alpha >= 1.0
+        if ends and blend.request.method in BRIDGES:
+            blend, why = at_end(blend, sources.own(target, context), tick, context)
             reason = why or reason
         elif adopts and blend.end is None and blend.over_at(tick + 1, context):
             # Known one tick ahead, so that the source never solves for nothing.
@@ -247,29 +248,9 @@ def past_of(
         same = same and channel.blend.bridge.epsilon is None
         if (context.tick - channel.blend.start) * context.dt < HURRY:
             recent = max(recent, channel.blend.recent + 1)
-        step, left = channel.blend.left(context.tick, duration, context)
+        step, left = left_by(channel.blend, context.tick, duration, context)
         start[columns] += step[columns]
         if left is not None:
             carry = carry or GapMotion.none(start.size, duration)
             carry = carry.with_part(columns, left)
     return LatchState(start, same, carry, recent)
-
-
-def _at_end(blend: Blend, own: Vector, tick: int, context: TickContext) -> tuple[Blend, str]:
-    """Return the blend at its end, and why it changes: if the own optimum is not the solver's.
-
-    Args:
-        blend: whose alpha is 1.
-        own: the controller's own optimum of this tick, shape (n,).
-        tick: this one.
-        context: of this tick.
-    """
-    mine = blend.way.part.columns
-    apart = np.abs(own - blend.source_chi)[mine]
-    if (apart <= _SAME * context.limits.acceleration[mine] * context.dt).all():
-        return blend, ""
-    why = (
-        f"robot B's chi at tick {tick} is {apart.max():.2g} (m/s, rad/s) off robot A's own: "
-        "robot A blends on to its own"
-    )
-    return blend.taken_over(own, tick, context), why

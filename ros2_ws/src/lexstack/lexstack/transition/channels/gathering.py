@@ -2,23 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from lexstack.tasks.stack import Stack, joined
 from lexstack.transition.blend import Blend
 from lexstack.transition.channels.channel import Channel, past_of
-from lexstack.transition.channels.lineup import PartOf
+from lexstack.transition.channels.lineup import PartOf, references_before, without
 from lexstack.transition.relatch import Tally
 from lexstack.transition.requests import SwitchRequest
 from lexstack.transition.robot_group import RobotGroup
 from lexstack.transition.route import Route
-from lexstack.transition.sources.inbox import Choice
+from lexstack.transition.sources.inbox import Choice, Sources
 from lexstack.transition.tick_context import TickContext
 from lexstack.types import Vector
 
 
-def begun(
+def begin(
+    channels: Sequence[Channel],
+    starting: tuple[SwitchRequest, Choice],
+    stacks: Mapping[str, Stack],
+    sources: Sources,
+    part_of: PartOf,
+    context: TickContext,
+) -> tuple[Channel, ...]:
+    """Return the channels with a request's robots in a new one, in a blend.
+
+    Args:
+        channels: of all robots.
+        starting: the request, and whom to follow.
+        stacks: all that may be asked for, by name.
+        sources: of chi.
+        part_of: makes the part of some robots.
+        context: of this tick.
+    """
+    request, first = starting
+    part = part_of(request.robots)
+    touched = [each for each in channels if part.shares(each.part)]
+    inside = [each.of(part_of(set(each.part.robots) & set(part.robots))) for each in touched]
+    target = stacks[request.stack].of(part.robots)
+    references = context.references
+    context = context.between(references_before(inside, references), references)
+    whole = target is stacks[request.stack]
+    level = target.first(context.kinematics, references) if whole else ()
+    choice = sources.checked(first, context, level)
+    chi = sources.chi(choice, target, context)
+    channel = _begun(inside, request, (part, target, whole), (choice, chi), context)
+    others = without(channels, part.robots, part_of)
+    return tuple(sorted([*others, channel], key=lambda each: each.part.robots))
+
+
+def _begun(
     channels: Sequence[Channel],
     request: SwitchRequest,
     goal: tuple[RobotGroup, Stack, bool],

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
+from lexstack.options import shown
 from lexstack.references import References
+from lexstack.robots import Team
 from lexstack.tasks.stack import Stack
 from lexstack.transition.channels.channel import Channel
 from lexstack.transition.requests import SwitchRequest
@@ -38,7 +40,7 @@ def as_asked(
 def coupling(channels: Iterable[Channel], part: RobotGroup) -> str:
     """Return which task couples robots of a part with others of their channel, in words, or ''."""
     for channel in channels:
-        task = channel.target.coupling(part.robots)
+        task = part.shares(channel.part) and channel.target.coupling(part.robots)
         if task:
             others = [name for name in channel.part.names if name not in part.names]
             return (
@@ -46,6 +48,28 @@ def coupling(channels: Iterable[Channel], part: RobotGroup) -> str:
                 f"{', '.join(others)}"
             )
     return ""
+
+
+def some_of(
+    stack: Stack, robots: Collection[str], moved: Collection[str], team: Team
+) -> tuple[tuple[int, ...], str]:
+    """Return the places of robots that are to go to a stack, and why they cannot, or ''.
+
+    Args:
+        stack: where to.
+        robots: their names.
+        moved: names of all robots that the stack moves.
+        team: that they belong to.
+    """
+    strangers = [name for name in robots if name not in moved]
+    if strangers:
+        known = ", ".join(moved)
+        return (), f"stack {stack.name!r} does not move {shown(strangers[0])}, but {known}"
+    if len(set(robots)) < len(robots):
+        return (), "robots: a name stands in it twice"
+    some = tuple(sorted({team.index(name) for name in robots}))
+    task = stack.coupling(some)
+    return some, f"the task {task!r} of {stack.name!r} couples more robots" if task else ""
 
 
 def references_before(channels: Sequence[Channel], references: References) -> References:

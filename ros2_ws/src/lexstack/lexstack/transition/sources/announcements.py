@@ -2,13 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from lexstack.transition.messages import Announcement
 from lexstack.transition.requests import SwitchRequest
 
 Wanted = tuple[SwitchRequest, int | None]
 """A request whose stack the source shall solve, and the first tick that it is not needed for."""
+
+
+def wanted_of(requests: Iterable[SwitchRequest], followed: Iterable[Wanted]) -> dict[int, Wanted]:
+    """Return all that the source shall solve, by transition id.
+
+    Args:
+        requests: that have not begun.
+        followed: the requests of blends that follow the source, and when each of these ends.
+    """
+    wanted: dict[int, Wanted] = {request.id: (request, None) for request in requests}
+    for request, end in followed:
+        # A request whose robots are on several channels ends with the last of them.
+        other = wanted[request.id][1] if request.id in wanted else end
+        both = None if end is None or other is None else max(end, other)
+        wanted[request.id] = request, both
+    return wanted
 
 
 class Announcer:
