@@ -18,7 +18,7 @@ from lexstack.transition.messages import Announcement, SourceSample, TransitionS
 from lexstack.transition.methods import METHODS
 from lexstack.transition.options import TransitionOptions
 from lexstack.transition.requested_limits import RequestedLimits, of_tick
-from lexstack.transition.requests import Answer, RequestBook, SwitchRequest, in_effect
+from lexstack.transition.requests import Answer, RequestBook, SwitchRequest
 from lexstack.transition.robot_group import RobotGroups
 from lexstack.transition.sources.announcements import Announcer, wanted_of
 from lexstack.transition.sources.inbox import Choice, LocalSource, Sources
@@ -71,7 +71,6 @@ class Transition:
         self._asked = RequestedLimits(team.limits, always=options.limit_jerk)
         self._announcer = Announcer()
         self._tick = 0
-        self._pending: tuple[SwitchRequest, ...] = ()  # due, but without a first chi
         self._part = RobotGroups(team)
         initial = stacks[options.initial].of(everyone)
         first = Channel(self._part(everyone), (initial,), initial.name)
@@ -126,11 +125,10 @@ class Transition:
 
     def cancel(self) -> Answer:
         """Give up all transitions under way and those scheduled, and go back smoothly."""
-        given_up = Cancellation.of(self._channels, (*self._pending, *self._book.scheduled))
+        given_up = Cancellation.of(self._channels, self._book.not_begun)
         if given_up is None:
             return Answer(False, "there is no transition to cancel")
         self._book.clear()
-        self._pending = ()
         self._channels = given_up.channels
         if not given_up.back:
             return Answer(True, f"{given_up.done} before it began")
@@ -141,7 +139,6 @@ class Transition:
     def end(self) -> None:
         """Withdraw all that the source was asked to solve: this object is not used further."""
         self._book.clear()
-        self._pending = ()
         self._channels = tuple(replace(each, blend=None) for each in self._channels)
 
     def hear(self, sample: SourceSample) -> None:
@@ -162,7 +159,7 @@ class Transition:
         """
         if not self._lockstep:
             return False
-        due = self._asked_for(tick)
+        due = self._book.peek(tick)
         self._sample_plans(due, tick)
         if any(self._sources.fresh(request.id, tick, revision) is None for request in due):
             return True
@@ -177,7 +174,7 @@ class Transition:
         """Return the announcements that the source has not got yet; each is returned once."""
         blends = [channel.blend for channel in self._channels if channel.blend is not None]
         followed = [(blend.request, blend.end) for blend in blends if not blend.alone]
-        wanted = wanted_of((*self._pending, *self._book.scheduled), followed)
+        wanted = wanted_of(self._book.not_begun, followed)
         news = self._announcer.changes(wanted)
         if news:
             self._sources.keep(wanted)
@@ -193,7 +190,7 @@ class Transition:
             tick: that is to be served.
             revision: of the references in effect at it; None: not known.
         """
-        asked = self._asked_for(tick)
+        asked = self._book.peek(tick)
         self._sample_plans(asked, tick)
         if not asked:
             return Due(tick)
@@ -220,8 +217,7 @@ class Transition:
         """
         self._tick = due.tick
         if due.asked:
-            self._book.due(due.tick)
-            self._pending = due.waiting
+            self._book.due(due.tick, due.waiting)
             for request, coupled in due.dropped:
                 self._drop(request, coupled)
             for starting in due.starting:
@@ -242,7 +238,7 @@ class Transition:
     def finish(self, plans: Plans, chi: Vector) -> tuple[TransitionState, ...]:
         """Return the states to report for this tick, given its chi (n,); adopt at the end."""
         pairs = list(zip(self._channels, plans.each, strict=True))
-        waiting = self._pending, self._book.scheduled
+        waiting = self._book.pending, self._book.scheduled
         states = tuple(
             transition_state(channel, plan, chi, coming(channel, *waiting), adopts=self._adopts)
             for channel, plan in pairs
@@ -267,11 +263,6 @@ class Transition:
             chi = self._plans.sample(robots, tick)
             if chi is not None:
                 self._sources.hear(SourceSample(id_, tick, chi, solved=True))
-
-    def _asked_for(self, tick: int) -> tuple[SwitchRequest, ...]:
-        """Return the requests whose tick has come, the older ones first."""
-        due = self._book.peek(tick)
-        return in_effect((*self._pending, *due)) if due else self._pending
 
     def _drop(self, request: SwitchRequest, why: str) -> None:
         """Show in the state of its robots why a request is not served."""
@@ -302,13 +293,9 @@ class Transition:
         if stack not in self._stacks:
             return ""  # the request book refuses unknown stacks, and names the known ones
         part = self._part(robots or self._book.robots(stack))
-        earlier = [
-            request
-            for request in (*self._pending, *self._book.scheduled)
-            if not at_tick or request.at_tick <= at_tick
-        ]
-        channels = as_asked(self._channels, earlier, self._stacks, self._part)
-        coupled = coupling(channels, part)
+        waiting = self._book.not_begun
+        earlier = [each for each in waiting if not at_tick or each.at_tick <= at_tick]
+        coupled = coupling(as_asked(self._channels, earlier, self._stacks, self._part), part)
         return coupled and f"stack {stack!r}: {coupled}"
 
     def _back(self, stack: Stack, reason: str) -> Answer:

@@ -55,6 +55,9 @@ class RequestBook:
 
     A later request for the same tick, or one that is due later while an earlier one still waits,
     replaces the earlier one where it moves all of its robots.
+
+    Attributes:
+        pending: requests that are due, but wait for a first chi or for an older request.
     """
 
     def __init__(
@@ -82,6 +85,7 @@ class RequestBook:
         self._duration = defaults.duration
         self._method: str = defaults.method
         self._profile: str = defaults.profile
+        self.pending: tuple[SwitchRequest, ...] = ()
         self._scheduled: list[SwitchRequest] = []
         self._count = 0
 
@@ -144,17 +148,15 @@ class RequestBook:
         return self._stacks[stack]
 
     def peek(self, tick: int) -> tuple[SwitchRequest, ...]:
-        """Return the requests whose tick has come and that none of them replaces, in order."""
-        if not self._scheduled:
-            return ()
-        due = [request for request in self._scheduled if request.at_tick <= tick]
-        return in_effect(due)
+        """Return the requests whose tick has come, older ones first, that none of them replaces."""
+        due = in_effect([request for request in self._scheduled if request.at_tick <= tick])
+        return in_effect((*self.pending, *due)) if due else self.pending
 
-    def due(self, tick: int) -> tuple[SwitchRequest, ...]:
-        """Return what ``peek`` does, and forget it and what was replaced."""
+    def due(self, tick: int, waiting: tuple[SwitchRequest, ...] = ()) -> tuple[SwitchRequest, ...]:
+        """Return what ``peek`` does, and forget it and what was replaced, all but ``waiting``."""
         found = self.peek(tick)
-        if found:
-            self._scheduled = [entry for entry in self._scheduled if entry.at_tick > tick]
+        self.pending = waiting
+        self._scheduled = [entry for entry in self._scheduled if entry.at_tick > tick]
         return found
 
     @property
@@ -162,8 +164,14 @@ class RequestBook:
         """Requests whose tick has not come yet."""
         return tuple(self._scheduled)
 
+    @property
+    def not_begun(self) -> tuple[SwitchRequest, ...]:
+        """All that wait, those that are due first."""
+        return (*self.pending, *self._scheduled)
+
     def clear(self) -> None:
-        """Forget all that was scheduled."""
+        """Forget all that has not begun."""
+        self.pending = ()
         self._scheduled = []
 
     def _refusal(self, stack: str, duration: float, method: str) -> str:
