@@ -147,9 +147,10 @@ class ScenarioConfig:
     sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
     streams: tuple[StreamConfig, ...] = ()  # of targets
     solvers: int = 1  # processes that solve for robot A, each for some of the robots
-    solver: str = "daqp"  # a key of lexstack.hqp.SOLVERS
+    solver: str = "daqp"  # a key of SOLVERS
     mode: Mode = "lockstep"
     seed: int = 0
+    extensions: tuple[str, ...] = ()  # Python modules that register methods, solvers, tasks
 
     @property
     def horizon_ticks(self) -> int:
@@ -171,6 +172,8 @@ class ScenarioConfig:
         """Raise ConfigurationError for unknown robots and values out of range."""
         names(where, name=self.name)
         names(where, ros=True, robots=self.robots)
+        parts = [part for module in self.extensions for part in module.split(".")]
+        names(where, ros=True, extensions=parts)
         positive(where, rate=self.rate, duration=self.duration)
         not_negative(where, lead_in=self.lead_in)
         at_most(where, _FASTEST, rate=self.rate)
