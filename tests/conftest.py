@@ -1,5 +1,6 @@
 """Fixtures that tests of several folders share."""
 
 from support.in_process import run_command
+from support.registries import registries
 
-__all__ = ["run_command"]
+__all__ = ["registries", "run_command"]

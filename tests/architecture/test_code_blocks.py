@@ -55,7 +55,7 @@ def python_pages():
 
 
 @pytest.mark.parametrize("page", python_pages())
-def test_python_runs_as_printed_and_prints_what_the_page_shows(page, monkeypatch):
+def test_python_runs_as_printed_and_prints_what_the_page_shows(page, monkeypatch, registries):
     """The blocks of a page run one after the other; a plain block is what the last one printed."""
     monkeypatch.chdir(ROOT)
     module, printed = types.ModuleType(f"page {page}"), ""

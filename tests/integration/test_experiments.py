@@ -5,11 +5,11 @@ import math
 
 import pytest
 
-from lexstack.transition import METHODS
 from lexstack_experiments.benches import BENCHES
 from lexstack_experiments.commands import bench, experiment
 from lexstack_experiments.experiments import EXPERIMENTS, method_cases, transition_methods
 from lexstack_experiments.experiments.method_runs import Play
+from lexstack_experiments.methods import METHODS
 from lexstack_experiments.runs import never_switched
 from support.results import numbers
 from support.scenario import CONFIG

@@ -13,12 +13,12 @@ from lexstack.hqp import (
     Hierarchy,
     HqpProblem,
     ProxqpCascade,
-    QuadprogCascade,
     make_solver,
 )
 from lexstack.hqp.columns import column_powers
 from lexstack.limits import Bounds
 from lexstack.types import LinearTask
+from lexstack_experiments.solvers import QuadprogCascade
 from support.exact import exact_optimum, exact_slacks
 from support.integers import SCALES, integer_problem, shape
 

@@ -4,10 +4,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lexstack.hqp import DaqpCascade, Hierarchy
+from lexstack.hqp import DaqpCascade, Hierarchy, NullSpaceCascade
 from lexstack.hqp.active_set import WorkingSet, solve_by_exchange
 from lexstack.hqp.backends.daqp import DaqpBackend
-from lexstack.hqp.cascade import NullSpaceCascade
 from support.problems import KINDS, problem
 
 SEEDS = st.integers(0, 2**32 - 1)

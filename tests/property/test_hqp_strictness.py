@@ -5,10 +5,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from lexstack.hqp import DaqpCascade, HqpProblem, ProxqpCascade, QuadprogCascade, Solution, Status
+from lexstack.hqp import DaqpCascade, HqpProblem, ProxqpCascade, Solution, Status
 from lexstack_experiments.hierarchies.random_problems import SINGULAR, problems
 from lexstack_experiments.hierarchies.score import score
-from support.oracle import lexicographic_oracle
+from lexstack_experiments.solvers import QuadprogCascade, lexicographic_oracle
 from support.problems import KINDS, near_singular, problem, truncated
 
 EXCESS = 1e-8

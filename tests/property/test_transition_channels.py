@@ -5,6 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import lexstack_experiments.methods  # noqa: F401 - brings interpolation and weights
 from lexstack.references import Target
 from lexstack.transition import Phase, Source, TransitionConfig
 from support.channels import BASES, ROBOTS, chi_of, loop, silent_for, state_of

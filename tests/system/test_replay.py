@@ -32,6 +32,7 @@ pytestmark = pytest.mark.system
 
 SWITCH = 100  # tick of the switch to reach_base, which blends for 1.5 s
 TICKS = 400
+COMPARED = "extensions=[lexstack_experiments.methods]"
 
 
 def scenario():
@@ -121,7 +122,7 @@ def test_a_cancelled_transition_is_replayed(tmp_path):
     [
         {"settings": ("transition.duration=0.4",)},
         {"settings": ("stacks.reach_base.levels.1.tasks.0.parameters.gain=2.0",)},
-        {"method": "instant_limited"},
+        {"method": "instant_limited", "settings": (COMPARED,)},
         {"stack": "reach_base=posture"},
     ],
     ids=lambda changes: next(iter(changes)),

@@ -25,7 +25,6 @@ setup(
         "numpy>=2",
         "pin>=4.1",
         "proxsuite>=0.8",
-        "quadprog>=0.1.13",
         "scipy>=1.13",
     ],
     zip_safe=False,

@@ -99,6 +99,23 @@ def test_a_bag_of_somebody_else(tmp_path):
     assert "not a lexstack bag" in one_line(error)
 
 
+def test_a_bag_of_before_extensions_knows_the_methods_that_were_the_library_s(write, tmp_path):
+    """Then they need not be listed; a bag that has the key lists them."""
+    facts = {"scenario": "".join(lines_without_extensions(write(tmp_path / "new").resolved))}
+    write(tmp_path / "old", facts=facts)
+    old, new = (read_run(tmp_path / name).resolved.scenario for name in ("old", "new"))
+    assert old.extensions == ("lexstack_experiments.methods", "lexstack_experiments.solvers")
+    assert new.extensions == ()
+
+
+def lines_without_extensions(resolved):
+    """Return a resolved scenario's lines as bags had them before."""
+    lines = resolved.to_yaml().splitlines(keepends=True)
+    left = [line for line in lines if line != "  extensions: []\n"]
+    assert len(left) == len(lines) - 1
+    return left
+
+
 def test_a_bag_without_a_plant(tmp_path, resolved):
     BagWriter(tmp_path / "bag", {"scenario": resolved.to_yaml()}).close()
     with pytest.raises(BagError, match="holds no message of /plant/state"):

@@ -101,7 +101,7 @@ def test_any_key_can_be_changed(resolved):
             "stacks.track.levels: no entry '9'; it has 2",
         ),
         (Changes(("transition.duration=-1",)), "duration: must be finite and > 0, got -1.0"),
-        (Changes(method="jump"), "--method: unknown 'jump'; known: bridge"),
+        (Changes(method="jump"), "transition.method: unknown method 'jump'; known: bridge"),
         (Changes(stack="dance"), "--stack: unknown 'dance'; known: reach_base, track"),
         (Changes(stack="a=track"), "--stack: unknown 'a'; known: reach_base, track"),
     ],

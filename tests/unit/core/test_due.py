@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import lexstack_experiments.methods  # noqa: F401 - brings interpolation
 from lexstack.hqp import Solution, Status
 from lexstack.transition import HeardPlan, SourceSample, TransitionConfig
 from support.channels import loop, parts

@@ -59,7 +59,7 @@ def test_what_was_returned_does_not_change_with_the_next_call():
 
 def test_spheres_are_made_once_a_tick_and_only_when_asked_for():
     kinematics = team().kinematics(state_at(random_q(np.random.default_rng(1))))
-    assert kinematics.spheres() is kinematics.spheres()
+    assert kinematics.spheres is kinematics.spheres
 
 
 def test_a_sphere_on_a_link_that_is_not_there_is_refused():

@@ -15,7 +15,7 @@ from lexstack.robots import ObstacleConfig, Obstacles, Pose, RobotModel, Team
 from lexstack.tasks import TASKS, CollisionAvoidance, CollisionAvoidanceParameters
 from lexstack.tasks.collision_avoidance import damped_speed
 from lexstack.transition.bridge import latch
-from support.oracle import lexicographic_oracle
+from lexstack_experiments.solvers import lexicographic_oracle
 from support.scenario import home, random_q, state_at, team
 
 DT = 0.01

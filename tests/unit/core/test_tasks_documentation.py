@@ -45,13 +45,12 @@ def parameters_of(kind):
 
 
 @pytest.fixture
-def height(monkeypatch):
-    """Register the page's example for one test, as its second step says."""
+def height(monkeypatch, registries):
+    """Return the page's example, which registers itself, for one test."""
     module = ModuleType("example")
     monkeypatch.setitem(sys.modules, "example", module)  # dataclasses look there for their types
     (code,) = blocks("python")
     exec(compile(code, "docs/tasks.md", "exec"), vars(module))
-    monkeypatch.setitem(TASKS, "height", module.Height.from_config)
     return module.Height
 
 

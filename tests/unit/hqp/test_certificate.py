@@ -5,7 +5,7 @@ import pytest
 
 from lexstack.hqp import DaqpCascade, HqpProblem
 from lexstack_experiments.hierarchies.certificate import certified_excess
-from support.oracle import lexicographic_oracle
+from lexstack_experiments.solvers import lexicographic_oracle
 from support.problems import KINDS, problem
 
 SOLVER = DaqpCascade()

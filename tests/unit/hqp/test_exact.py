@@ -8,9 +8,9 @@ import pytest
 from lexstack.hqp import HqpProblem
 from lexstack.limits import Bounds
 from lexstack.types import LinearTask
+from lexstack_experiments.solvers import lexicographic_oracle
 from support.exact import exact_optimum, exact_slacks
 from support.integers import integer_problem, shape
-from support.oracle import lexicographic_oracle
 
 
 def test_the_answer_is_a_fraction():

@@ -5,8 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lexstack.hqp import DaqpCascade, FallbackSolver, Status, make_solver, rejection_reason
-from lexstack.hqp.cascade import NullSpaceCascade
+import lexstack_experiments.solvers  # noqa: F401 - brings quadprog
+from lexstack.hqp import (
+    DaqpCascade,
+    FallbackSolver,
+    NullSpaceCascade,
+    Status,
+    make_solver,
+    rejection_reason,
+)
 from support.problems import problem
 
 GIVEN = problem("tight", 6, 10, 3)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import lexstack_experiments.solvers  # noqa: F401 - brings quadprog and the oracle
 from lexstack.hqp import SOLVERS, make_solver
 from lexstack.limits import Bounds
 from support.problems import problem

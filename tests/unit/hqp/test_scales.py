@@ -8,9 +8,7 @@ import pytest
 from lexstack.hqp import (
     DaqpCascade,
     HqpProblem,
-    OracleSolver,
     ProxqpCascade,
-    QuadprogCascade,
     Solution,
     Status,
     cascade,
@@ -19,6 +17,7 @@ from lexstack.hqp import (
 )
 from lexstack.limits import Bounds
 from lexstack.types import LinearTask
+from lexstack_experiments.solvers import OracleSolver, QuadprogCascade
 from support.exact import exact_optimum
 
 INF = np.inf

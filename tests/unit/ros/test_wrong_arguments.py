@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from lexstack.transition import TransitionConfig
 from lexstack_bringup.domain import own_domain
 from lexstack_bringup.processes import NODES, RECORDER
 from support.runs import short_scenario
+from support.stack_files import folder
 
 DEMO = "lexstack_bringup.commands.demo"
 
@@ -64,6 +66,26 @@ def test_wrong_arguments_of_a_node_are_one_line_and_exit_code_2(
     lines = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
     assert len(lines) == 1, done.stderr
     assert what in lines[0]
+    assert "Traceback" not in done.stderr + done.stdout
+
+
+@pytest.mark.parametrize("node", ["hqp_controller", "stack_solver"])
+@pytest.mark.parametrize(
+    ("values", "what"),
+    [
+        ({"extensions": ("nobody.has.this",)}, "extensions[0]: cannot import 'nobody.has.this': "),
+        ({"transition": TransitionConfig(1.0, "jump")}, "transition.method: unknown method 'jump'"),
+    ],
+)
+def test_a_name_that_no_extension_brings_is_one_line_and_exit_code_2(
+    tmp_path, run_command, node, values, what
+):
+    path = tmp_path / "scenario.yaml"
+    path.write_text(short_scenario(**values).to_yaml(), encoding="utf-8")
+    done = run_command(NODES[node], "--ros-args", "-p", f"scenario:={path}")
+    assert done.returncode == 2
+    (line,) = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
+    assert line.startswith(f"error: scenario transition-sequence: {what}")
     assert "Traceback" not in done.stderr + done.stdout
 
 
@@ -193,6 +215,16 @@ def test_bad_arguments_of_the_demo_give_one_line_and_exit_code_2(run_command, ar
     assert done.returncode == 2
     assert message in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_an_extension_that_is_not_there_is_told_before_anything_starts(tmp_path, run_command):
+    path = folder(tmp_path)
+    path.write_text(path.read_text("utf-8") + "extensions: [my_tasks]\n", encoding="utf-8")
+    done = run_command(DEMO, path)
+    assert done.returncode == 2
+    line = f"{path}: extensions[0]: cannot import 'my_tasks': ModuleNotFoundError: "
+    assert line in done.stderr
+    assert len(done.stderr.splitlines()) == 1
 
 
 def test_a_folder_that_holds_something_is_refused(tmp_path, run_command):

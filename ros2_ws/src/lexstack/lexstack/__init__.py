@@ -52,6 +52,7 @@ if TYPE_CHECKING:
         describe,
         explain_unmet_levels,
         make_solver,
+        register_solver,
     )
     from lexstack.limits import Bounds, JointLimits, LimitOptions, LimitsInForce, viable_bounds
     from lexstack.mpc import (
@@ -87,6 +88,7 @@ if TYPE_CHECKING:
         Task,
         TaskConfig,
         build_stack,
+        register_task,
     )
     from lexstack.transition import (
         METHODS,
@@ -98,6 +100,7 @@ if TYPE_CHECKING:
         TransitionConfig,
         TransitionOptions,
         TransitionState,
+        register_method,
     )
     from lexstack.types import LinearTask, Matrix, RobotState, Vector
 else:
@@ -108,16 +111,17 @@ else:
             "make_controller make_stack_solver",
             "errors": "ConfigurationError InputError LexstackError ModelError",
             "hqp": "SOLVERS HqpProblem HqpSolver Solution Status describe "
-            "explain_unmet_levels make_solver",
+            "explain_unmet_levels make_solver register_solver",
             "limits": "Bounds JointLimits LimitOptions LimitsInForce viable_bounds",
             "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH Htmpc HtmpcConfig Objective "
             "Plan SequenceRunner SequenceTask Start CollisionScene",
             "references": "ReferenceSchedule References Target",
             "robots": "Kinematics ObstacleConfig Obstacles Pose RobotConfig "
             "RobotModel Team mobile_manipulator",
-            "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack",
+            "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack "
+            "register_task",
             "transition": "METHODS Announcement Phase SourceSample SourceSchedule "
-            "Transition TransitionConfig TransitionOptions TransitionState",
+            "Transition TransitionConfig TransitionOptions TransitionState register_method",
             "types": "LinearTask Matrix RobotState Vector",
         },
     )
@@ -189,5 +193,8 @@ __all__ = [
     "make_solver",
     "make_stack_solver",
     "mobile_manipulator",
+    "register_method",
+    "register_solver",
+    "register_task",
     "viable_bounds",
 ]

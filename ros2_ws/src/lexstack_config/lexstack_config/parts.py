@@ -16,6 +16,7 @@ from lexstack.robots import Obstacles, RobotModel, Team
 from lexstack.tasks import Stack, build_stack
 from lexstack.transition import TransitionOptions
 from lexstack.types import Vector
+from lexstack_config.extensions import load_extensions
 from lexstack_config.reader import advised
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.scenario import ScenarioConfig, pose_from_config
@@ -49,9 +50,11 @@ class Parts:
             every: whether all stacks of the scenario must fit, as in one that has run already.
 
         Raises:
-            ConfigurationError: a stack that must fit does not fit the robots.
+            ConfigurationError: a stack that must fit does not fit the robots, or an extension
+                cannot be loaded.
             ModelError: a robot cannot be built.
         """
+        load_extensions(resolved.scenario)
         team = build_team(resolved)
         stacks, unfit = {}, dict(resolved.unfit)
         for name, config in resolved.stacks.items():

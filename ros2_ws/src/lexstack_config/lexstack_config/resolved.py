@@ -14,6 +14,7 @@ from lexstack.options import shown
 from lexstack.robots import RobotConfig
 from lexstack.tasks import StackConfig
 from lexstack_config.available import available, load_stack
+from lexstack_config.extensions import load_extensions
 from lexstack_config.reader import build, parse_yaml, plain, read_yaml
 from lexstack_config.scenario import ScenarioConfig
 
@@ -82,10 +83,12 @@ def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
         config: the folder with ``robots/`` and ``stacks/``; default: the one above the scenario's.
 
     Raises:
-        ConfigurationError: a file is missing or wrong; the text names the file and the key.
+        ConfigurationError: a file is missing or wrong, or an extension; the text names the file
+            and the key.
     """
     folder = path.resolve().parent.parent if config is None else config
     scenario = build(ScenarioConfig, read_yaml(path), str(path))
+    load_extensions(scenario, str(path))
     robots = {
         model: load_robot(folder / "robots" / f"{model}.yaml")
         for model in dict.fromkeys(place.model for place in scenario.robots.values())

@@ -16,6 +16,7 @@ from lexstack.options import (
     Name,
     NotEmpty,
     NotNegative,
+    Pattern,
     Positive,
     Range,
     RosName,
@@ -29,6 +30,13 @@ from lexstack_config.stream import StreamConfig
 if TYPE_CHECKING:
     from lexstack.robots import Pose
 
+_Module = Annotated[
+    str,
+    Pattern(
+        r"[A-Za-z_]\w{0,63}(\.[A-Za-z_]\w{0,63}){0,9}",
+        "a module has a Python name, with dots between its parts",
+    ),
+]
 _Quaternion = tuple[Finite, Finite, Finite, Finite]
 Mode = Literal["lockstep", "realtime"]
 _FASTEST = 1000.0  # Hz, the plant's own steps
@@ -139,6 +147,7 @@ class ScenarioConfig:
     solver: str = "daqp"  # a key of lexstack.hqp.SOLVERS
     mode: Mode = "lockstep"  # wait for every tick's answers, or follow the clock
     seed: int = 0  # of everything random
+    extensions: tuple[_Module, ...] = ()  # Python modules that register methods, solvers, tasks
 
     @property
     def horizon_ticks(self) -> int:

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from lexstack_bag.figures.figures import Analysis
 from lexstack_config.resolved import ResolvedScenario, load_scenario
+from lexstack_experiments import methods
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.recording import recorded
 
@@ -31,9 +32,16 @@ def changed(resolved: ResolvedScenario, **values: Any) -> ResolvedScenario:
 
 
 def with_method(resolved: ResolvedScenario, method: str, **values: Any) -> ResolvedScenario:
-    """Return a scenario whose switches use a method, and other values of its transition."""
-    transition = replace(resolved.scenario.transition, method=method, **values)
-    return changed(resolved, transition=transition)
+    """Return a scenario whose switches use a method, and other values of its transition.
+
+    One of the methods to compare with comes with the extension that brings it.
+    """
+    scenario = resolved.scenario
+    transition = replace(scenario.transition, method=method, **values)
+    extensions = scenario.extensions
+    if method in methods.COMPARED and methods.__name__ not in extensions:
+        extensions = (*extensions, methods.__name__)
+    return changed(resolved, transition=transition, extensions=extensions)
 
 
 def never_switched(case: Case) -> Case:

@@ -6,14 +6,15 @@ from lexstack import on_demand
 
 if TYPE_CHECKING:
     from lexstack.hqp.backends.daqp import DaqpCascade
-    from lexstack.hqp.backends.oracle import OracleLevel, OracleSolver, lexicographic_oracle
     from lexstack.hqp.backends.proxqp import ProxqpCascade
-    from lexstack.hqp.backends.quadprog import QuadprogCascade
+    from lexstack.hqp.cascade import NullSpaceCascade
     from lexstack.hqp.damping import Damped, Damper
     from lexstack.hqp.decoupled_solver import ClusteredSolver
     from lexstack.hqp.diagnosis import Blocked, Obstacle, describe, explain_unmet_levels
     from lexstack.hqp.fallback import FallbackSolver, rejection_reason
-    from lexstack.hqp.hierarchy import Hierarchy
+    from lexstack.hqp.hierarchy import Hierarchy, Signs
+    from lexstack.hqp.level_qp import LevelQp, QpBackend
+    from lexstack.hqp.preconditions import active_bounds, starting_point
     from lexstack.hqp.problem import (
         DAMPED,
         NEAR,
@@ -23,25 +24,27 @@ if TYPE_CHECKING:
         Solution,
         SolverFactory,
         Status,
+        called,
         near_singularity,
     )
-    from lexstack.hqp.solvers import DEFAULT_SOLVER, SOLVERS, make_solver
+    from lexstack.hqp.solvers import DEFAULT_SOLVER, SOLVERS, make_solver, register_solver
 else:
     __getattr__ = on_demand(
         __name__,
         {
             "backends.daqp": "DaqpCascade",
-            "backends.oracle": "OracleLevel OracleSolver lexicographic_oracle",
             "backends.proxqp": "ProxqpCascade",
-            "backends.quadprog": "QuadprogCascade",
+            "cascade": "NullSpaceCascade",
             "damping": "Damped Damper",
             "decoupled_solver": "ClusteredSolver",
             "diagnosis": "Blocked Obstacle explain_unmet_levels describe",
             "fallback": "FallbackSolver rejection_reason",
-            "hierarchy": "Hierarchy",
+            "hierarchy": "Hierarchy Signs",
+            "level_qp": "LevelQp QpBackend",
+            "preconditions": "active_bounds starting_point",
             "problem": "DAMPED NEAR HqpProblem HqpSolver NearSingular "
-            "Solution SolverFactory Status near_singularity",
-            "solvers": "DEFAULT_SOLVER SOLVERS make_solver",
+            "Solution SolverFactory Status called near_singularity",
+            "solvers": "DEFAULT_SOLVER SOLVERS make_solver register_solver",
         },
     )
 
@@ -59,19 +62,23 @@ __all__ = [
     "Hierarchy",
     "HqpProblem",
     "HqpSolver",
+    "LevelQp",
     "NearSingular",
+    "NullSpaceCascade",
     "Obstacle",
-    "OracleLevel",
-    "OracleSolver",
     "ProxqpCascade",
-    "QuadprogCascade",
+    "QpBackend",
+    "Signs",
     "Solution",
     "SolverFactory",
     "Status",
+    "active_bounds",
+    "called",
     "describe",
     "explain_unmet_levels",
-    "lexicographic_oracle",
     "make_solver",
     "near_singularity",
+    "register_solver",
     "rejection_reason",
+    "starting_point",
 ]

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from lexstack.errors import InputError
 from lexstack.types import LinearTask, Matrix, Vector
 
-Signs = NDArray[np.int8]  # -1 at the lower bound, +1 at the upper bound, 0 at neither
+Signs = NDArray[np.int8]
+"""-1 at the lower bound, +1 at the upper bound, 0 at neither."""
 Mask = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 

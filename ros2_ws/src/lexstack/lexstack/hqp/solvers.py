@@ -1,32 +1,29 @@
-"""The solvers by name: a new one is its file and one line here."""
+"""The solvers by name: one of the library is its file and one line here."""
 
 from __future__ import annotations
 
-import lexstack.hqp
 from lexstack.errors import ConfigurationError
 from lexstack.hqp.backends.daqp import DaqpCascade
 from lexstack.hqp.backends.proxqp import ProxqpCascade
-from lexstack.hqp.backends.quadprog import QuadprogCascade
 from lexstack.hqp.decoupled_solver import ClusteredSolver
 from lexstack.hqp.fallback import FallbackSolver
 from lexstack.hqp.problem import HqpSolver, SolverFactory
+from lexstack.options import register, unknown
 
-
-def _oracle() -> HqpSolver:
-    """Return the oracle, for comparisons: it needs scipy.optimize, which takes 0.5 s to load."""
-    return lexstack.hqp.OracleSolver()
-
-
-SOLVERS: dict[str, SolverFactory] = {
-    "daqp": DaqpCascade,
-    "proxqp": ProxqpCascade,
-    "quadprog": QuadprogCascade,
-    "oracle": _oracle,
-}
-"""The solvers by the name that a configuration uses; the first is the default."""
+SOLVERS: dict[str, SolverFactory] = {"daqp": DaqpCascade, "proxqp": ProxqpCascade}
+"""The solvers by the name that a configuration uses; others are added by ``register_solver``."""
 
 DEFAULT_SOLVER = "daqp"
 """The solver of whoever names none."""
+
+
+def register_solver(name: str, factory: SolverFactory) -> None:
+    """Make a solver known by a name; ``factory`` returns a new one.
+
+    Raises:
+        ConfigurationError: it is no name, or the name of another solver.
+    """
+    register(SOLVERS, "solver", name, factory)
 
 
 def make_solver(name: str = DEFAULT_SOLVER) -> HqpSolver:
@@ -39,7 +36,6 @@ def make_solver(name: str = DEFAULT_SOLVER) -> HqpSolver:
         ConfigurationError: an unknown name; it lists the known ones.
     """
     if name not in SOLVERS:
-        known = ", ".join(sorted(SOLVERS))
-        raise ConfigurationError(f"hqp solver: unknown {name!r}; known: {known}")
+        raise ConfigurationError(f"hqp: {unknown('solver', name, SOLVERS)}")
     second = DaqpCascade if name == "proxqp" else ProxqpCascade
     return ClusteredSolver(FallbackSolver(SOLVERS[name](), second(guesses=False)))

@@ -6,6 +6,7 @@ from mappings, lists, texts and numbers, and says in every error where it stood.
 """
 
 from lexstack.options.build import OLD_NAMES, build, hints
+from lexstack.options.registry import register, unknown
 from lexstack.options.rules import (
     Finite,
     Finite3,
@@ -33,6 +34,8 @@ __all__ = [
     "RosName",
     "build",
     "hints",
+    "register",
     "same_length",
     "shown",
+    "unknown",
 ]

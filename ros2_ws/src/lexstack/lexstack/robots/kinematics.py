@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 from lexstack.robots.collision_geometry import Spheres
 from lexstack.types import Matrix, RobotState, Vector
@@ -22,7 +23,7 @@ class Pose:
     rotation: Matrix
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # without slots, where cached_property could not keep a value
 class Kinematics:
     """Proof that forward kinematics ran for ``state``: only a Team makes it.
 
@@ -31,27 +32,15 @@ class Kinematics:
         tools: pose of each robot's tool frame.
         jacobians: each robot's tool Jacobian, shape (6, n_robot): linear then angular velocity,
             at the tool's origin, axes parallel to the world (LOCAL_WORLD_ALIGNED).
-        spheres: returns the collision spheres at the measured q; made when first asked for.
+        spheres_at: returns the collision spheres at a configuration, shape (n,).
     """
 
     state: RobotState
     tools: tuple[Pose, ...]
     jacobians: tuple[Matrix, ...]
-    spheres: Callable[[], Spheres]
+    spheres_at: Callable[[Vector], Spheres]
 
-
-class Once:
-    """A function without arguments that is called when first needed, and never again."""
-
-    __slots__ = ("_make", "_value")
-
-    def __init__(self, make: Callable[[], Spheres]) -> None:
-        """Remember what to call."""
-        self._make = make
-        self._value: Spheres | None = None
-
-    def __call__(self) -> Spheres:
-        """Return its value."""
-        if self._value is None:
-            self._value = self._make()
-        return self._value
+    @cached_property
+    def spheres(self) -> Spheres:
+        """The collision spheres at the measured q, made when first asked for."""
+        return self.spheres_at(self.state.q)

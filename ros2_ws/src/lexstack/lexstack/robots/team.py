@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from lexstack.errors import ConfigurationError
 from lexstack.limits.joint_limits import JointLimits
 from lexstack.options import shown
 from lexstack.robots.collision_geometry import Indices, Spheres
-from lexstack.robots.kinematics import Kinematics, Once, Pose
+from lexstack.robots.kinematics import Kinematics, Pose
 from lexstack.robots.obstacles import Obstacles
 from lexstack.robots.options import Vector3
 from lexstack.robots.robot import RobotModel
@@ -85,7 +85,7 @@ class Team:
             state,
             tuple(pose for pose, _ in results),
             tuple(jacobian for _, jacobian in results),
-            Once(partial(self.spheres, state.q)),
+            self.spheres,
         )
 
     def spheres(self, q: Vector) -> Spheres:

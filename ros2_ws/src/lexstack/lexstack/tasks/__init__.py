@@ -17,9 +17,9 @@ if TYPE_CHECKING:
         plan_stack,
     )
     from lexstack.tasks.posture import Posture, PostureParameters, posture_target
-    from lexstack.tasks.registry import TASKS
+    from lexstack.tasks.registry import TASKS, register_task
     from lexstack.tasks.relative_pose import RelativePose, cross, other_end
-    from lexstack.tasks.stack import AT_REST, Level, Stack, build_stack, joined
+    from lexstack.tasks.stack import AT_REST, Level, Stack, build_limits, build_stack, joined
     from lexstack.tasks.task import Task, TaskFactory
     from lexstack.tasks.velocity_damping import VelocityDamping
 else:
@@ -32,9 +32,9 @@ else:
             "frame_position": "EePosition",
             "options": "JointLimitConfig LevelConfig StackConfig TaskConfig plan_stack",
             "posture": "Posture PostureParameters posture_target",
-            "registry": "TASKS",
+            "registry": "TASKS register_task",
             "relative_pose": "RelativePose cross other_end",
-            "stack": "AT_REST Level Stack build_stack joined",
+            "stack": "AT_REST Level Stack build_limits build_stack joined",
             "task": "Task TaskFactory",
             "velocity_damping": "VelocityDamping",
         },
@@ -61,6 +61,7 @@ __all__ = [
     "TaskConfig",
     "TaskFactory",
     "VelocityDamping",
+    "build_limits",
     "build_stack",
     "cross",
     "joined",
@@ -68,5 +69,6 @@ __all__ = [
     "plan_stack",
     "pose_error",
     "posture_target",
+    "register_task",
     "saturated",
 ]

@@ -130,7 +130,7 @@ class CollisionAvoidance:
         """
         if self._rows == 0:
             return self._far
-        spheres, stamp = kinematics.spheres(), kinematics.state.stamp
+        spheres, stamp = kinematics.spheres, kinematics.state.stamp
         lines = spheres.centers[self._own, None] - self._points(spheres, stamp)
         lengths = np.sqrt(np.einsum("ijk,ijk->ij", lines, lines))
         room = (lengths - self._reach).ravel()

@@ -1,5 +1,6 @@
-"""The tasks by the name that stack files use: a new one is its file and one line here."""
+"""The tasks by the name that stack files use: one of the library is its file and one line here."""
 
+from lexstack.options import register
 from lexstack.tasks.base_pose import Base
 from lexstack.tasks.collision_avoidance import CollisionAvoidance
 from lexstack.tasks.frame_pose import EePose
@@ -18,4 +19,13 @@ TASKS: dict[str, TaskFactory] = {
     "relative_pose": RelativePose.from_config,
     "velocity_damping": VelocityDamping.from_config,
 }
-"""How each task is made, by the type that stack files name."""
+"""How each task is made, by the type that stack files name; ``register_task`` adds others."""
+
+
+def register_task(name: str, factory: TaskFactory) -> None:
+    """Make a task known by a name, for stack files.
+
+    Raises:
+        ConfigurationError: it is no name, or the name of another task.
+    """
+    register(TASKS, "task", name, factory)

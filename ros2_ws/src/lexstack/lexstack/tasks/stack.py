@@ -10,7 +10,7 @@ import numpy as np
 
 from lexstack.errors import ConfigurationError, ModelError
 from lexstack.limits.joint_limits import LIMITS, JointLimits
-from lexstack.options import shown
+from lexstack.options import shown, unknown
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
 from lexstack.tasks.options import JointLimitConfig, StackConfig, TaskConfig
@@ -160,22 +160,24 @@ def build_stack(config: StackConfig, team: Team, where: str = "") -> Stack:
             scales += [float(np.sqrt(task.weight))] * len(built)
         levels.append(Level(tuple(tasks), tuple(scales)))
     _check_names(where, levels)
-    limits, planned = _build_limits(config, team, where), config.source == "htmpc"
+    limits, planned = build_limits(config, team, where), config.source == "htmpc"
     return Stack(config.name, tuple(levels), limits, robots, planned)
 
 
 def _build_tasks(config: TaskConfig, team: Team, where: str, everyone: Sequence[int]) -> list[Task]:
     """Return one task, or one for each robot of the stack where the file names none."""
     if config.type not in TASKS:
-        known = ", ".join(sorted(TASKS))
-        raise ConfigurationError(f"{where}: type: unknown task {config.type!r}; known: {known}")
+        raise ConfigurationError(f"{where}: type: {unknown('task', config.type, sorted(TASKS))}")
     robots = [team.index(config.robot)] if config.robot else everyone
     make = TASKS[config.type]
     return [make(team, robot, config.parameters, f"{where}: parameters") for robot in robots]
 
 
-def _build_limits(config: StackConfig, team: Team, where: str) -> JointLimits | None:
-    """Return the limits of all joints, shape (n,) each, or None where the file has none."""
+def build_limits(config: StackConfig, team: Team, where: str = "") -> JointLimits | None:
+    """Return the limits of all joints under a stack, or None where its file has none.
+
+    Args and errors are those of ``build_stack``.
+    """
     if not config.limits:
         return None
     values = {name: getattr(team.limits, name).copy() for name in LIMITS}

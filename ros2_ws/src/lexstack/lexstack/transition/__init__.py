@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
+    from lexstack.transition.bridge import Bridge
     from lexstack.transition.gap_motion import GapMotion
     from lexstack.transition.manager import Transition
     from lexstack.transition.messages import (
@@ -15,8 +16,15 @@ if TYPE_CHECKING:
         SourceSchedule,
         TransitionState,
     )
-    from lexstack.transition.methods import JERK_LIMITED, METHODS
-    from lexstack.transition.options import MethodName, TransitionConfig, TransitionOptions
+    from lexstack.transition.methods import (
+        JERK_LIMITED,
+        METHODS,
+        Levels,
+        Method,
+        View,
+        register_method,
+    )
+    from lexstack.transition.options import TransitionConfig, TransitionOptions
     from lexstack.transition.profiles import PROFILES, alpha, quintic
     from lexstack.transition.requests import (
         MAX_DURATION,
@@ -32,11 +40,12 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
+            "bridge": "Bridge",
             "gap_motion": "GapMotion",
             "manager": "Transition",
             "messages": "Announcement Phase Source SourceSample SourceSchedule TransitionState",
-            "methods": "JERK_LIMITED METHODS",
-            "options": "MethodName TransitionConfig TransitionOptions",
+            "methods": "JERK_LIMITED METHODS Levels Method View register_method",
+            "options": "TransitionConfig TransitionOptions",
             "profiles": "PROFILES alpha quintic",
             "requests": "MAX_DURATION MAX_SCHEDULED Answer SwitchRequest too_far",
             "robot_group": "Columns",
@@ -53,11 +62,13 @@ __all__ = [
     "PROFILES",
     "Announcement",
     "Answer",
+    "Bridge",
     "Columns",
     "GapMotion",
     "HeardPlan",
+    "Levels",
     "LocalSource",
-    "MethodName",
+    "Method",
     "Phase",
     "Source",
     "SourceSample",
@@ -67,7 +78,9 @@ __all__ = [
     "TransitionConfig",
     "TransitionOptions",
     "TransitionState",
+    "View",
     "alpha",
     "quintic",
+    "register_method",
     "too_far",
 ]

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
+from lexstack.errors import ConfigurationError
 from lexstack.limits.joint_limits import JointLimits
+from lexstack.options import unknown
 from lexstack.robots import Team
 from lexstack.tasks.stack import AT_REST, Stack
 from lexstack.transition.cancellation import Cancellation
@@ -53,7 +55,12 @@ class Transition:
             options: where to start, how to go, and when a source counts as lost.
             team: the robots.
             unfit: why other stacks cannot be asked for, by name.
+
+        Raises:
+            ConfigurationError: nobody knows the method of ``options``.
         """
+        if options.switch.method not in METHODS:
+            raise ConfigurationError(unknown("method", options.switch.method, METHODS))
         everyone = tuple(range(len(team.robots)))
         whose = {
             name: everyone if stack.robots is None else stack.robots

@@ -7,27 +7,13 @@ from typing import Literal
 
 from lexstack.options import NotNegative, Positive
 
-MethodName = Literal[  # the keys of methods.METHODS
-    "bridge",
-    "bridge_jerk",
-    "t37",
-    "t34",
-    "t34_limited",
-    "instant",
-    "instant_limited",
-    "interpolation",
-    "activation",
-    "weights",
-]
-"""How a transition joins the old motion to the new one."""
-
 
 @dataclass(frozen=True, slots=True)
 class TransitionConfig:
     """How the controller goes from one stack to another."""
 
     duration: Positive  # s, of the blend
-    method: MethodName = "bridge"  # how the old motion is joined to the new one
+    method: str = "bridge"  # a key of METHODS: how to join the old motion to the new one
     # How alpha rises; time_optimal: as fast as the joints allow, whatever the duration.
     profile: Literal["quintic", "cosine", "linear", "time_optimal"] = "quintic"
     on_loss: Literal["local", "minimum_velocity"] = "local"  # what to follow if the solver is lost

@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from lexstack.options import shown
+from lexstack.options import shown, unknown
 from lexstack.transition.options import TransitionConfig
 
 MAX_DURATION = 60.0
@@ -183,7 +183,7 @@ class RequestBook:
                 f"duration: must be in [0, {MAX_DURATION:g}] s (0: as configured), got {duration}"
             )
         if method and method not in self._methods:
-            return f"unknown method {shown(method)}; known: {', '.join(self._methods)}"
+            return unknown("method", method, self._methods)
         return ""
 
     def _untimely(self, robots: tuple[int, ...], at_tick: int, now: int) -> str:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from lexstack.errors import LexstackError
+from lexstack.tasks import TASKS
 from lexstack_bag.errors import BagError
 from lexstack_bag.figures.compare import Comparison, compare_metrics
 from lexstack_bag.figures.compare import summary_lines as difference_lines
@@ -26,6 +27,7 @@ from lexstack_bag.report.video import write_video
 from lexstack_bag.run.reader import read_parts
 from lexstack_bag.run.run import Run
 from lexstack_bag.storage.folders import writing
+from lexstack_config.extensions import load_extensions
 
 BAD_ARGUMENT, INTERRUPTED = 2, 130
 _MOST_PARTS = 20  # of a bag with resets, besides the last one
@@ -43,10 +45,20 @@ def _analysed(run: Run, say: Say) -> Analysis:
     return found
 
 
-def _read(bag: Path, say: Say) -> tuple[Run, ...]:
-    """Return the parts of a run folder, a bag folder or an .mcap file; raises BagError."""
+def _read(bag: Path, say: Say, *, extensions: bool = False) -> tuple[Run, ...]:
+    """Return the parts of a run folder, a bag folder or an .mcap file; raises LexstackError.
+
+    A bag may come from anybody, so the modules that its scenario lists are imported only on demand.
+    """
     runs = read_parts(bag, ProgressBar("reading"), plans=False)
     last = runs[-1]
+    if extensions:
+        load_extensions(last.resolved.scenario)
+    for name, stack in last.resolved.stacks.items():
+        types = {task.type for level in stack.levels for task in level.tasks}
+        if types - TASKS.keys():
+            absent = ", ".join(sorted(types - TASKS.keys()))
+            say(f"left out: levels of {name}, for want of {absent}; --extensions may bring them")
     total = sum(sum(run.messages.values()) for run in runs)
     topics = {topic for run in runs for topic in run.messages}
     cut = "" if last.complete else "; the file ends before its end"
@@ -101,16 +113,20 @@ def write(analysis: Analysis, folder: Path, say: Say) -> None:
     say(f"wrote {folder / 'metrics.json'} and {report}")
 
 
-def compare(first: Path, second: Path, out: Path | None, say: Say) -> Comparison:
-    """Write ``comparison.json`` and ``.html`` of two bags; return it; raises BagError.
+def compare(
+    first: Path, second: Path, out: Path | None, say: Say, *, extensions: bool = False
+) -> Comparison:
+    """Write ``comparison.json`` and ``.html`` of two bags; return it; raises LexstackError.
 
     Args:
         first: a run folder, a bag folder or an .mcap file.
         second: the same.
         out: where to write; default: the run folder of the second.
         say: told what happens.
+        extensions: whether the modules that the bags' scenarios list may be imported.
     """
-    one, other = (_analysed(_read(bag, say)[-1], say) for bag in (first, second))
+    runs = (_read(bag, say, extensions=extensions)[-1] for bag in (first, second))
+    one, other = (_analysed(run, say) for run in runs)
     comparison = compare_metrics(one.metrics, other.metrics, (str(first), str(second)))
     folder = out or run_folder(other.run.path)
     with writing(folder, make=True):
@@ -149,10 +165,12 @@ def _run(options: argparse.Namespace, say: Say) -> int:
     if options.other is not None:
         if options.csv or options.parquet or options.video:
             raise BagError("--csv, --parquet, --video: of one bag at a time")
-        comparison = compare(options.bag, options.other, options.out, say)
+        comparison = compare(
+            options.bag, options.other, options.out, say, extensions=options.extensions
+        )
         print("\n" + "\n".join(map(printable, difference_lines(comparison))))
         return 0
-    runs = _read(options.bag, say)
+    runs = _read(options.bag, say, extensions=options.extensions)
     folder = options.out or run_folder(runs[-1].path)
     analysis = _write_parts(runs, folder, say)
     for tables, export in ((options.csv, write_csv), (options.parquet, write_parquet)):
@@ -180,6 +198,12 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--csv", type=Path, metavar="DIR", help="write tables as CSV, with units")
     result.add_argument(
         "--parquet", type=Path, metavar="DIR", help="write the same tables as Parquet, for pandas"
+    )
+    result.add_argument(
+        "--extensions",
+        action="store_true",
+        help="import the modules that the scenario lists, for tasks that they bring; only of a bag "
+        "that you trust",
     )
     result.add_argument(
         "--video", action="store_true", help="render video.mp4 too, offscreen: takes a while"

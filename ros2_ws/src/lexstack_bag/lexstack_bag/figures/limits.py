@@ -8,7 +8,7 @@ import numpy as np
 
 from lexstack.limits import JointLimits, LimitOptions, LimitsInForce
 from lexstack.robots import Team
-from lexstack.tasks import AT_REST, build_stack
+from lexstack.tasks import AT_REST, build_limits
 from lexstack.transition import JERK_LIMITED
 from lexstack.types import RobotState
 from lexstack_bag.run.run import ChiStream, PlantStream, Run, TransitionPhase
@@ -32,11 +32,7 @@ def limits_in_force(run: Run, team: Team, commander: str) -> tuple[JointLimits, 
 
 def limits_of_stacks(run: Run, team: Team) -> dict[str, JointLimits]:
     """Return the limits of the stacks that have their own, by name."""
-    stacks = {
-        name: build_stack(config, team).limits
-        for name, config in run.resolved.stacks.items()
-        if config.limits
-    }
+    stacks = {name: build_limits(config, team) for name, config in run.resolved.stacks.items()}
     return {name: limits for name, limits in stacks.items() if limits is not None}
 
 

@@ -10,9 +10,9 @@ import yaml
 
 from lexstack.errors import ConfigurationError
 from lexstack.options import OLD_NAMES
-from lexstack.transition import METHODS
 from lexstack_bag.run.run import Run
 from lexstack_bag.storage.container import Progress
+from lexstack_config.extensions import load_extensions
 from lexstack_config.reader import build, plain
 from lexstack_config.resolved import ResolvedScenario
 
@@ -50,9 +50,6 @@ class Changes:
         """Return a scenario with the changes made; raises ConfigurationError."""
         settings = list(self.settings)
         if self.method:
-            if self.method not in METHODS:
-                known = ", ".join(METHODS)
-                raise ConfigurationError(f"--method: unknown {self.method!r}; known: {known}")
             settings.append(f"scenario.transition.method={self.method}")
         if self.solver:
             settings.append(f"scenario.solver={self.solver}")
@@ -60,6 +57,7 @@ class Changes:
         for setting in settings:
             _set(tree, setting)
         changed = build(ResolvedScenario, tree, "--set")
+        load_extensions(changed.scenario)
         _, new = self.stacks(changed)
         if new and new not in changed.stacks:
             known = ", ".join(sorted(changed.stacks))

@@ -7,6 +7,7 @@ from bisect import bisect_right
 from collections import defaultdict
 from dataclasses import replace
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -45,8 +46,8 @@ from lexstack_bag.topics import (
 from lexstack_config.parts import build_team
 from lexstack_config.resolved import ResolvedScenario
 
-_SINCE = {"lead_in": 0.0}
-"""Keys that older bags do not have, and what stands for them: their targets stepped."""
+_BROUGHT = "lexstack_experiments"
+"""Brings the methods and solvers that were the library's own when bags had no extensions."""
 
 _TARGETS = {"ee_target": "ee", "base_target": "base"}
 
@@ -119,10 +120,21 @@ def read_facts(container: Container) -> tuple[dict[str, str], ResolvedScenario]:
             f"nor a message of {SCENARIO}; record that topic too (ros2 bag record -a does)"
         )
     try:
-        resolved = ResolvedScenario.from_yaml(text, f"{path}: scenario", _SINCE)
+        resolved = ResolvedScenario.from_yaml(text, f"{path}: scenario", _since())
     except ConfigurationError as error:
         raise BagError(str(error)) from error
     return facts, resolved
+
+
+def _since() -> dict[str, object]:
+    """Return what stands for keys that older bags do not have.
+
+    Their targets stepped, and all methods and solvers were known: now some are where they can be
+    loaded.
+    """
+    found = find_spec(_BROUGHT) is not None
+    extensions = [f"{_BROUGHT}.{part}" for part in ("methods", "solvers") if found]
+    return {"lead_in": 0.0, "extensions": extensions}
 
 
 def _published_scenario(container: Container) -> str | None:

@@ -16,6 +16,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+import lexstack_experiments.solvers  # noqa: F401 - brings quadprog
 from lexstack.hqp import HqpSolver, make_solver
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.peers import STRICT, WEIGHTED, Pink, installed

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from lexstack.hqp import DaqpCascade, HqpSolver, ProxqpCascade, QuadprogCascade
+from lexstack.hqp import DaqpCascade, HqpSolver, ProxqpCascade
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.peers import STRICT, installed
 from lexstack_experiments.hierarchies.random_problems import SINGULAR, problems
 from lexstack_experiments.hierarchies.score import Score, score
 from lexstack_experiments.measuring import p50_p99
 from lexstack_experiments.results import Cell, Figure, Goal, Results, Table, zero
+from lexstack_experiments.solvers import QuadprogCascade
 
 NAME = "strictness"
 PROBLEMS = 2400

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import astuple
 
-from lexstack.transition import METHODS
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.method_cases import Case, cases
 from lexstack_experiments.experiments.method_pictures import draw
 from lexstack_experiments.experiments.method_runs import MethodFigures, Play, Rows
+from lexstack_experiments.methods import METHODS
 from lexstack_experiments.results import AT_MOST_ONE, Figure, Goal, Peer, Results, Table
 from lexstack_experiments.runs import never_switched
 

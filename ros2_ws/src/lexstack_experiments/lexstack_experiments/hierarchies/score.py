@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lexstack.hqp import HqpProblem, HqpSolver, Solution, lexicographic_oracle
+from lexstack.hqp import HqpProblem, HqpSolver, Solution
 from lexstack_experiments.hierarchies.certificate import certified_excess
 from lexstack_experiments.hierarchies.random_problems import SINGULAR
+from lexstack_experiments.solvers import lexicographic_oracle
 
 
 @dataclass(slots=True)

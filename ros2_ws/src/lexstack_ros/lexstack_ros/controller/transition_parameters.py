@@ -8,6 +8,7 @@ from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParam
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from lexstack.options import unknown
 from lexstack.transition import MAX_DURATION, METHODS, TransitionConfig
 
 DURATION = "transition_duration"
@@ -49,7 +50,7 @@ class TransitionParameters:
         """Refuse a method that is not known; ROS itself keeps types and ranges."""
         for parameter in parameters:
             if parameter.name == METHOD and parameter.value not in METHODS:
-                reason = f"unknown method {parameter.value!r}; known: {', '.join(METHODS)}"
+                reason = unknown("method", parameter.value, METHODS)
                 return SetParametersResult(successful=False, reason=reason)
         return SetParametersResult(successful=True)
 

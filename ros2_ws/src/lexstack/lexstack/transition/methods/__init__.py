@@ -1,12 +1,9 @@
-"""The transition methods: one file each, registered here by the name that requests use."""
+"""The transition methods: one file each, by the name that requests use."""
 
-from lexstack.transition.methods.activation import activation
+from lexstack.options import register
 from lexstack.transition.methods.bridging import bridge
-from lexstack.transition.methods.instantly import instant, instant_limited
-from lexstack.transition.methods.interpolation import interpolation
 from lexstack.transition.methods.paper import t34, t34_limited, t37
 from lexstack.transition.methods.view import Levels, Method, View
-from lexstack.transition.methods.weights import weights
 
 METHODS: dict[str, Method] = {
     "bridge": bridge,
@@ -14,13 +11,9 @@ METHODS: dict[str, Method] = {
     "t37": t37,
     "t34": t34,
     "t34_limited": t34_limited,
-    "instant": instant,
-    "instant_limited": instant_limited,
-    "interpolation": interpolation,
-    "activation": activation,
-    "weights": weights,
 }
-"""The first is the default; the others are there to compare with."""
+"""The first is the default, those after the second are as paper T prints them; others are added by
+``register_method``."""
 
 BRIDGES = frozenset({"bridge", "bridge_jerk"})
 """Those that fade a gap out wherever it comes from: also one that is left at the end."""
@@ -28,4 +21,14 @@ BRIDGES = frozenset({"bridge", "bridge_jerk"})
 JERK_LIMITED = frozenset({"bridge_jerk"})
 """Those during which the controller's box keeps jerk limits too."""
 
-__all__ = ["BRIDGES", "JERK_LIMITED", "METHODS", "Levels", "Method", "View"]
+
+def register_method(name: str, method: Method) -> None:
+    """Make a transition method known by a name, for requests and scenarios.
+
+    Raises:
+        ConfigurationError: it is no name, or the name of another method.
+    """
+    register(METHODS, "method", name, method)
+
+
+__all__ = ["BRIDGES", "JERK_LIMITED", "METHODS", "Levels", "Method", "View", "register_method"]

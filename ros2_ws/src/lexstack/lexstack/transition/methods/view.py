@@ -12,6 +12,7 @@ from lexstack.transition.tick_context import TickContext
 from lexstack.types import LinearTask, Vector
 
 Levels = tuple[tuple[LinearTask, ...], ...]
+"""The tasks of each level, the highest first."""
 
 
 @dataclass(frozen=True, slots=True)

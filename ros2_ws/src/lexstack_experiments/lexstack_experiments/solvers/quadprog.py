@@ -1,13 +1,11 @@
-"""The third backend: quadprog, the dual method of Goldfarb and Idnani."""
+"""A third backend: quadprog, the dual method of Goldfarb and Idnani."""
 
 from __future__ import annotations
 
 import numpy as np
 import quadprog
 
-from lexstack.hqp.cascade import NullSpaceCascade
-from lexstack.hqp.hierarchy import Hierarchy, Signs
-from lexstack.hqp.level_qp import LevelQp
+from lexstack.hqp import Hierarchy, LevelQp, NullSpaceCascade, Signs
 from lexstack.types import Vector
 
 # It factors H, so a level that does not use all freedom needs a proximal term; the second one is

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from lexstack.hqp import HqpProblem
-from lexstack.transition.bridge import Bridge
-from lexstack.transition.methods.view import View
+from lexstack.transition import Bridge, View
 
 
 def instant(view: View, _latched: Bridge, _alpha: float) -> HqpProblem:

@@ -13,10 +13,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.hqp.hierarchy import Hierarchy
-from lexstack.hqp.preconditions import active_bounds, starting_point
-from lexstack.hqp.problem import HqpProblem, Solution, Status, called
-from lexstack.limits.joint_limits import Bounds
+from lexstack.hqp import (
+    Hierarchy,
+    HqpProblem,
+    Solution,
+    Status,
+    active_bounds,
+    called,
+    starting_point,
+)
+from lexstack.limits import Bounds
 from lexstack.types import LinearTask, Matrix, Vector
 
 PENALTY = 1e2

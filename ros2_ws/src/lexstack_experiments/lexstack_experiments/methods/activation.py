@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from lexstack.hqp import HqpProblem
-from lexstack.transition.bridge import Bridge
-from lexstack.transition.methods.view import Levels, View
+from lexstack.transition import Bridge, Levels, View
 from lexstack.types import LinearTask, Vector
 
 
