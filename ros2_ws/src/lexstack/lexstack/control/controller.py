@@ -141,7 +141,7 @@ class Controller:
         self._problem = plans.problem
         self._sent = chi
         stack = self.transition.stack
-        told = self.transition.finish(plans, chi)
+        states = self.transition.finish(plans, chi)
         return Command(
             state.tick,
             state.stamp,
@@ -150,7 +150,7 @@ class Controller:
             bounds,
             solution.slacks,
             fallback,
-            tuple([with_singularity(state, solution.near) for state in told]),
+            tuple([with_singularity(state, solution.near) for state in states]),
             perf_counter() - begun,
             references.revision,
             solution.near,

@@ -95,10 +95,10 @@ class Blend:
             context: of this tick.
         """
         bridge = latch(past.start, source[1], level, past.level_goes_on)
-        if past.carry is not None and past.carry.older:
+        if past.gap_motion is not None and past.gap_motion.older:
             # A slip of an earlier latch keeps its own fading time; delta is the rest of the gap.
-            fading = past.carry.at(0.0)
-            bridge = replace(bridge, delta=bridge.delta - fading, carried=fading)
+            fading = past.gap_motion.at(0.0)
+            bridge = replace(bridge, delta=bridge.delta - fading, motion=fading)
         step = past.start - context.kinematics.state.command
         return cls(
             way,
@@ -108,7 +108,7 @@ class Blend:
             bridge,
             source[1],
             step,
-            past.carry,
+            past.gap_motion,
             recent=past.recent,
         )
 
@@ -139,7 +139,7 @@ class Blend:
 
         The quintic's first and second derivative are at most 1.875 / T and 5.774 / T^2.
         """
-        mine, limits = self.way.part.columns, context.limits
+        mine, limits = self.way.group.columns, context.limits
         size = np.abs(gap[mine])
         by_rate = 1.875 * float((size / limits.acceleration[mine]).max()) / _LITTLE[0]
         by_jerk = math.sqrt(5.774 * float((size / limits.jerk[mine]).max()) / _LITTLE[1])
@@ -172,7 +172,7 @@ class Blend:
         if tick == self.start + 1 and self.recent <= _PAIR and not unsteady:
             carry = self._with_slip(drift, context)
         if carry is not None:
-            bridge = replace(bridge, carried=carry.at(elapsed))
+            bridge = replace(bridge, motion=carry.at(elapsed))
         known = self.drift if unsteady else drift
         # Not by dataclasses.replace, which takes three times as long.
         latched = (self.way, self.source, self.start, self.duration, bridge, chi, self.step)
@@ -187,7 +187,7 @@ class Blend:
         """
         if self.way.target.planned:
             return False
-        mine, moved = self.way.part.columns, chi - self.source_chi
+        mine, moved = self.way.group.columns, chi - self.source_chi
         jump = moved if self.drift is None else moved - self.drift
         return bool((np.abs(jump[mine]) > context.reach[mine]).any())
 
@@ -242,7 +242,7 @@ class Blend:
         state = (context.kinematics, context.references)
         way = self.way
         view = View(
-            way.part,
+            way.group,
             level,
             self.source_chi,
             new=lambda: self._new(context),
@@ -255,7 +255,7 @@ class Blend:
         """Return all levels of the target stack; of a planned one only to follow the plan."""
         way = self.way
         if way.target.planned:
-            return (way.part.follow(self.source_chi),)
+            return (way.group.follow(self.source_chi),)
         return way.target.linearise(context.kinematics, context.references)
 
     @property
@@ -266,7 +266,7 @@ class Blend:
 
     def _fading(self, drift: Vector, context: TickContext) -> FadingGap:
         """Return the gap of the robots that are on their way, and their limits."""
-        mine, limits = self.way.part.columns, context.limits
+        mine, limits = self.way.group.columns, context.limits
         motion = self.bridge.delta[mine], drift[mine] / context.dt
         return FadingGap(*motion, limits.acceleration[mine], limits.jerk[mine], context.dt)
 
@@ -297,7 +297,7 @@ class Blend:
         size = np.abs(slip)
         np.minimum(np.maximum(slip, -limit), limit, out=slip)
         slip[(size <= _FELT * limit) | (size > _JUMP * limit)] = 0.0
-        if not slip[self.way.part.columns].any():
+        if not slip[self.way.group.columns].any():
             return carry
         return replace(
             carry or GapMotion.none(slip.size, self.duration), acceleration_mismatch=slip

@@ -25,6 +25,6 @@ class Due:
     dropped: tuple[tuple[SwitchRequest, str], ...] = ()
 
     @property
-    def asked(self) -> bool:
+    def requested(self) -> bool:
         """Whether any request is due."""
         return bool(self.starting or self.waiting or self.dropped)

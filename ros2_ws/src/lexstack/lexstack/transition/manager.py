@@ -10,9 +10,9 @@ from lexstack.options import shown
 from lexstack.robots import Team
 from lexstack.tasks.stack import AT_REST, Stack
 from lexstack.transition.channel_problem import Plans
-from lexstack.transition.channels.channel import Channel, asked_of
+from lexstack.transition.channels.channel import Channel, source_of
 from lexstack.transition.channels.gathering import begun, together
-from lexstack.transition.channels.lineup import as_asked, coupling, references_before, without
+from lexstack.transition.channels.lineup import as_requested, coupling, references_before, without
 from lexstack.transition.due import Due
 from lexstack.transition.messages import Announcement, Phase, SourceSample, TransitionState
 from lexstack.transition.methods import JERK_LIMITED, METHODS
@@ -22,7 +22,7 @@ from lexstack.transition.requests import Answer, RequestBook, SwitchRequest, in_
 from lexstack.transition.robot_group import RobotGroup
 from lexstack.transition.sources.announcements import Announcer, Wanted
 from lexstack.transition.sources.inbox import Choice, LocalSource, Sources
-from lexstack.transition.sources.mpc_plans import HeardPlan, PlanBook
+from lexstack.transition.sources.mpc_plans import HeardPlan, MpcPlans
 from lexstack.transition.sources.partial_samples import PartialSampleMerger
 from lexstack.transition.status_report import transition_state
 from lexstack.transition.tick_context import TickContext
@@ -64,7 +64,7 @@ class Transition:
         self._whose = whose
         self._joiner = PartialSampleMerger(team)
         self._sources = Sources(local, options)
-        self._plans = PlanBook(team, options)
+        self._plans = MpcPlans(team, options)
         self._book = RequestBook(whose, METHODS, options.switch, unfit, horizon=options.horizon)
         self._adopts = options.switch.at_end == "adopt"
         self._lockstep = options.lockstep
@@ -191,7 +191,7 @@ class Transition:
         return any(
             self._needs(channel, tick, revision)
             for channel in self._channels
-            if channel.blend is not None and not leaving.issuperset(channel.part.robots)
+            if channel.blend is not None and not leaving.issuperset(channel.group.robots)
         )
 
     def take_announcements(self) -> list[Announcement]:
@@ -233,25 +233,25 @@ class Transition:
         starting, waiting, dropped = [], [], []
         held, channels = set[int](), list(self._channels)
         for request in asked:
-            source = asked_of(self._stacks[request.stack])
+            source = source_of(self._stacks[request.stack])
             first = self._sources.first(request.id, request.at_tick, tick, revision, source)
             if first is None or held.intersection(request.robots):
                 waiting.append(request)
                 held.update(request.robots)
                 continue
             part = self._part(request.robots)
-            touched = [each for each in channels if part.shares(each.part)]
+            touched = [each for each in channels if part.shares(each.group)]
             coupled = coupling(touched, part)
             if coupled:
                 dropped.append((request, coupled))
                 continue
             starting.append((request, first))
-            channels = as_asked(channels, [request], self._stacks, self._part)
+            channels = as_requested(channels, [request], self._stacks, self._part)
         return Due(tick, tuple(starting), tuple(waiting), tuple(dropped))
 
     def limits(self, due: Due) -> tuple[JointLimits, bool]:
         """Return the limits that a tick asks for, and whether a method limits jerk."""
-        ways = [(channel.part, channel.target, channel.method) for channel in self._channels]
+        ways = [(channel.group, channel.target, channel.method) for channel in self._channels]
         for request, _ in due.starting:
             stay = [set(part.robots) - set(request.robots) for part, _, _ in ways]
             ways = [
@@ -276,7 +276,7 @@ class Transition:
             context: of this tick.
         """
         self._tick = due.tick
-        if due.asked:
+        if due.requested:
             self._book.due(due.tick)
             self._pending = due.waiting
             for request, coupled in due.dropped:
@@ -287,13 +287,13 @@ class Transition:
         channels, plans = [], []
         for channel in self._channels:
             before = channel.used or context.references
-            now = before if held and held.intersection(channel.part.robots) else context.references
+            now = before if held and held.intersection(channel.group.robots) else context.references
             mine = context.between(before, now)
             after, plan = channel.step(mine, self._sources, adopts=self._adopts)
             channels.append(after)
             plans.append(plan)
         self._channels = tuple(channels)
-        return Plans.of(plans, [channel.part.columns for channel in channels])
+        return Plans.of(plans, [channel.group.columns for channel in channels])
 
     def finish(self, plans: Plans, chi: Vector) -> tuple[TransitionState, ...]:
         """Return the states to report for this tick, given its chi (n,); adopt at the end."""
@@ -316,7 +316,7 @@ class Transition:
         if not blends and not due:
             return
         followed = {blend.request.id: blend.way for blend in blends if blend.way.target.planned}
-        wanted = {id_: way.part.robots for id_, way in followed.items()}
+        wanted = {id_: way.group.robots for id_, way in followed.items()}
         wanted |= {r.id: r.robots for r in due if self._stacks[r.stack].planned}
         for id_, robots in wanted.items():
             chi = self._plans.sample(robots, tick)
@@ -333,15 +333,17 @@ class Transition:
         part = self._part(request.robots)
         reason = f"transition {request.id} to {request.stack!r} is dropped: {why}"
         self._channels = tuple(
-            replace(each, reason=reason) if part.shares(each.part) else each
+            replace(each, reason=reason) if part.shares(each.group) else each
             for each in self._channels
         )
 
     def _begin(self, request: SwitchRequest, first: Choice, context: TickContext) -> None:
         """Move a request's robots from their channels into a new one, in a blend."""
         part = self._part(request.robots)
-        touched = [each for each in self._channels if part.shares(each.part)]
-        inside = [each.of(self._part(set(each.part.robots) & set(part.robots))) for each in touched]
+        touched = [each for each in self._channels if part.shares(each.group)]
+        inside = [
+            each.of(self._part(set(each.group.robots) & set(part.robots))) for each in touched
+        ]
         target = self._stacks[request.stack].of(part.robots)
         references = context.references
         context = context.between(references_before(inside, references), references)
@@ -351,7 +353,7 @@ class Transition:
         chi = self._sources.chi(choice, target, context)
         channel = begun(inside, request, (part, target, whole), (choice, chi), context)
         others = without(self._channels, part.robots, self._part)
-        self._channels = tuple(sorted([*others, channel], key=lambda each: each.part.robots))
+        self._channels = tuple(sorted([*others, channel], key=lambda each: each.group.robots))
 
     def _needs(self, channel: Channel, tick: int, revision: int | None) -> bool:
         """Return whether a channel in a blend waits for the solver's chi of this tick."""
@@ -361,13 +363,13 @@ class Transition:
         if self._sources.fresh(blend.request.id, tick, revision) is not None:
             return False
         # A source that was lost is waited for again only after it has sent a chi again.
-        return blend.source is asked_of(blend.way.target) or self._sources.answered_since(
+        return blend.source is source_of(blend.way.target) or self._sources.answered_since(
             blend.request.id, blend.start, revision
         )
 
     def _coming(self, channel: Channel) -> tuple[SwitchRequest, Phase] | None:
         """Return the next request that takes robots of a channel, and how far it is."""
-        robots = set(channel.part.robots)
+        robots = set(channel.group.robots)
         for requests, phase in (
             (self._pending, Phase.PREPARING),
             (self._book.scheduled, Phase.REQUESTED),
@@ -394,8 +396,8 @@ class Transition:
             for request in (*self._pending, *self._book.scheduled)
             if not at_tick or request.at_tick <= at_tick
         ]
-        channels = as_asked(self._channels, earlier, self._stacks, self._part)
-        coupled = coupling([each for each in channels if part.shares(each.part)], part)
+        channels = as_requested(self._channels, earlier, self._stacks, self._part)
+        coupled = coupling([each for each in channels if part.shares(each.group)], part)
         return coupled and f"stack {stack!r}: {coupled}"
 
     def _back(self, stack: Stack, reason: str) -> Answer:

@@ -9,7 +9,7 @@ import numpy as np
 from lexstack.limits.joint_limits import LIMITS, JointLimits
 from lexstack.transition.robot_group import Columns
 
-Asked = tuple[Columns, JointLimits | None, bool]
+Requested = tuple[Columns, JointLimits | None, bool]
 """The joints of a channel, the limits of its stack (None: the robots' own), and whether by a method
 that keeps jerk limits."""
 
@@ -21,36 +21,36 @@ class RequestedLimits:
         """Know the robots' own limits, and whether jerk is limited ``always``."""
         self._own = own
         self._always = always
-        self._last: tuple[Asked, ...] = ()
+        self._last: tuple[Requested, ...] = ()
         self._limits = own
 
-    def of(self, asked: Sequence[Asked]) -> tuple[JointLimits, bool]:
+    def of(self, requested: Sequence[Requested]) -> tuple[JointLimits, bool]:
         """Return the limits of all joints, and whether jerk is limited for any of them.
 
         Where it is limited on some channels alone, the others have an infinite jerk limit.
         """
-        if len(asked) == 1:
-            _, limits, jerk = asked[0]
+        if len(requested) == 1:
+            _, limits, jerk = requested[0]
             return limits or self._own, jerk
-        jerks = {jerk for _, _, jerk in asked}
-        first = asked[0][1]
-        if len(jerks) == 1 and all(limits is first for _, limits, _ in asked):
+        jerks = {jerk for _, _, jerk in requested}
+        first = requested[0][1]
+        if len(jerks) == 1 and all(limits is first for _, limits, _ in requested):
             return first or self._own, True in jerks
-        if not self._same(asked):
-            self._last, self._limits = tuple(asked), self._put_together(asked, jerks)
+        if not self._same(requested):
+            self._last, self._limits = tuple(requested), self._put_together(requested, jerks)
         return self._limits, True in jerks
 
-    def _same(self, asked: Sequence[Asked]) -> bool:
+    def _same(self, requested: Sequence[Requested]) -> bool:
         """Return whether all is as it was at the last call."""
-        return len(asked) == len(self._last) and all(
+        return len(requested) == len(self._last) and all(
             a[0] is b[0] and a[1] is b[1] and a[2] == b[2]
-            for a, b in zip(asked, self._last, strict=True)
+            for a, b in zip(requested, self._last, strict=True)
         )
 
-    def _put_together(self, asked: Sequence[Asked], jerks: set[bool]) -> JointLimits:
+    def _put_together(self, requested: Sequence[Requested], jerks: set[bool]) -> JointLimits:
         """Return each channel's limits on its joints."""
         values = {name: getattr(self._own, name).copy() for name in LIMITS}
-        for columns, limits, jerk in asked:
+        for columns, limits, jerk in requested:
             for name in LIMITS:
                 values[name][columns] = getattr(limits or self._own, name)[columns]
             if len(jerks) == 2 and not jerk and not self._always:
