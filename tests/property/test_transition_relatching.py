@@ -7,7 +7,7 @@ import pytest
 
 from lexstack.transition import Source
 from support.scenario import team
-from support.trains import Train, random_train, run, still_blending, ways
+from support.trains import Train, path_lengths, random_train, run, still_blending
 
 LITTLE = 0.05  # m: below it a ratio of ways says nothing
 
@@ -30,8 +30,8 @@ def check(train, most=1.5):
     result = run(train)
     assert not still_blending(result), "it ends within its duration and the stated time"
     assert within_limits(result)
-    perfect = ways(run(train, perfect=True))
-    went = ways(result)
+    perfect = path_lengths(run(train, perfect=True))
+    went = path_lengths(result)
     assert (went <= most * perfect + LITTLE).all(), (went, perfect)
     return result
 

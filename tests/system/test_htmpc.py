@@ -118,16 +118,16 @@ def test_the_run_through_processes_is_the_one_in_one_process(delivery):
 
 def test_metrics_and_report_tell_of_the_sequences(delivery):
     run = read_run(delivery[0], plans=False)
-    assert [len(planning.plans.tick) for planning in run.planning.values()] == [0, 0]
-    phases, measures = find_phases(run), measure(run)
-    metrics = compute_metrics(run, measures, phases)
+    assert [len(plan_topics.plans.tick) for plan_topics in run.plan_topics.values()] == [0, 0]
+    phases, time_series = find_phases(run), measure(run)
+    metrics = compute_metrics(run, time_series, phases)
     assert [(one.robot, one.done, one.count) for one in metrics.sequences] == [
         ("robot_a", 2, 2),
         ("robot_b", 2, 2),
     ]
     assert all(1.0 < one.completion_s < 6.0 for one in metrics.sequences)
     assert all(one.failed_plans == 0 for one in metrics.sequences)
-    figures = sequences.figures(run, measures, phases, metrics)
+    figures = sequences.figures(run, time_series, phases, metrics)
     assert len(figures) == 4
     assert all(figure.traces for figure in figures)
 

@@ -33,7 +33,7 @@ def recorded(loop: Loop) -> Run:
     record, team = loop.record, loop.parts.team
     return Run(
         path=Path(),
-        facts={},
+        provenance={},
         resolved=loop.resolved,
         plant=_plant(loop),
         chi={"robot_a": _chi(record.commands)},

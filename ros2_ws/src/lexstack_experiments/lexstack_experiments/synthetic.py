@@ -18,7 +18,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from lexstack.transition import Phase
 from lexstack.types import Vector
-from lexstack_bag.run.provenance import run_facts
+from lexstack_bag.run.provenance import run_provenance
 from lexstack_bag.storage.container import Progress
 from lexstack_bag.storage.definitions import message_definition
 from lexstack_bag.storage.metadata import Qos, Topic
@@ -40,7 +40,7 @@ def write_bag(
     """Write a bag of so many simulated minutes; return its messages by topic."""
     maker = _Maker(resolved)
     ticks = round(minutes * 60.0 * resolved.scenario.rate)
-    with BagWriter(folder, run_facts(resolved)) as writer:
+    with BagWriter(folder, run_provenance(resolved)) as writer:
         for topic in maker.topics():
             writer.add_topic(topic)
         numbers = dict.fromkeys((topic.name for topic in maker.topics()), 0)

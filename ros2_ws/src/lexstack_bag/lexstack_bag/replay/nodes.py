@@ -143,5 +143,5 @@ REPLAYERS: dict[str, Callable[[Question], Outcome]] = {
 def recorded_nodes(run: Run) -> tuple[str, ...]:
     """Return the nodes of which a bag has something to replay."""
     found = [name for name, chi in run.chi.items() if len(chi.tick)]
-    planned = any(len(planning.plans.tick) for planning in run.planning.values())
+    planned = any(len(plan_topics.plans.tick) for plan_topics in run.plan_topics.values())
     return tuple(name for name in REPLAYERS if name in found or (name == PLANNER and planned))

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from lexstack_bag.figures.phases import Phase
-from lexstack_bag.figures.series import COMMANDER, Measures
+from lexstack_bag.figures.series import COMMANDER, TimeSeries
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.layout import level, stacked
 from lexstack_bag.report.traces import (
@@ -78,11 +78,11 @@ def _transitions(run: Run, under_way: NDArray[np.bool_]) -> list[tuple[str, Any]
     return [(names[group], under_way & (robots == group)) for group in groups]
 
 
-def smoothness(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> Figure:
+def smoothness(run: Run, time_series: TimeSeries, phases: Sequence[Phase], grid: Grid) -> Figure:
     """Return the command's acceleration and jerk at every tick, over the limits."""
     ticks = run.chi[COMMANDER].tick
     traces: list[Plain] = []
-    for row, ratios in enumerate((measures.acceleration_ratio, measures.jerk_ratio), start=1):
+    for row, ratios in enumerate((time_series.acceleration_ratio, time_series.jerk_ratio), start=1):
         known = np.isfinite(ratios).any(axis=1)
         worst = np.full(len(ratios), np.nan)
         worst[known] = np.nanmax(ratios[known], axis=1)

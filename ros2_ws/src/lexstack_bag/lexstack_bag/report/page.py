@@ -126,5 +126,5 @@ def _notes(run: Run, metrics: Metrics) -> list[str]:
 
 def _versions(run: Run) -> str:
     """Return the versions that made the run."""
-    known = [f"{k} {v}" for k, v in run.facts.items() if k not in ("name", "mode", "seed")]
+    known = [f"{k} {v}" for k, v in run.provenance.items() if k not in ("name", "mode", "seed")]
     return ", ".join(known) or "versions that the bag does not name"

@@ -19,7 +19,7 @@ from lexstack_bag.errors import BagError
 from lexstack_bag.run.columns import StreamBuilder, seconds
 from lexstack_bag.run.loss import LossCounter
 from lexstack_bag.run.partial_chi import ChiBuilder
-from lexstack_bag.run.plan_topics import PlanningCollector
+from lexstack_bag.run.plan_topics import PlanTopicsCollector
 from lexstack_bag.run.references import is_usable
 from lexstack_bag.run.run import (
     PlantStream,
@@ -74,13 +74,13 @@ def read_parts(
     """
     files = find_files(path)
     container = Container(files)
-    facts, resolved = read_facts(container)
+    provenance, resolved = read_provenance(container)
     team = build_team(resolved)
     collector = _Collector(resolved, team, plans=plans)
     for message in container.messages(progress):
         collector.add(message)
     if len(collector.stretches.found) < 2:
-        return (collector.run(files[0], facts, container),)
+        return (collector.run(files[0], provenance, container),)
     parts_found = without_strangers(collector.stretches.found)
     collectors = [_Collector(resolved, team, plans=plans, only=part) for part in parts_found]
     begins = np.maximum.accumulate([part.sent for part in parts_found]).tolist()
@@ -88,7 +88,7 @@ def read_parts(
         # Topics arrive in any order: the time of sending says which part a message belongs to.
         collectors[max(bisect_right(begins, message.publish_time) - 1, 0)].add(message)
     found = [each for each in collectors if each.stretches.found]  # clocks may have gone back
-    runs = [each.run(files[0], facts, container) for each in found]
+    runs = [each.run(files[0], provenance, container) for each in found]
     lost = _lost(container, collector.losses)
     if len(runs) == 1:
         return (replace(runs[0], lost=lost),)
@@ -101,7 +101,7 @@ def read_parts(
     )
 
 
-def read_facts(container: Container) -> tuple[dict[str, str], ResolvedScenario]:
+def read_provenance(container: Container) -> tuple[dict[str, str], ResolvedScenario]:
     """Return what a bag says about its run, and the scenario.
 
     The scenario stands in a Metadata record if lexstack's recorder wrote the bag; in any other bag
@@ -111,8 +111,8 @@ def read_facts(container: Container) -> tuple[dict[str, str], ResolvedScenario]:
         BagError: the bag has neither.
     """
     path = container.files[0]
-    facts = container.first_metadata(SCENARIO_RECORD)
-    text = facts.pop("scenario", None) or _published_scenario(container)
+    provenance = container.first_metadata(SCENARIO_RECORD)
+    text = provenance.pop("scenario", None) or _published_scenario(container)
     if text is None:
         raise BagError(
             f"{path}: not a lexstack bag: it holds neither a Metadata record {SCENARIO_RECORD!r} "
@@ -122,7 +122,7 @@ def read_facts(container: Container) -> tuple[dict[str, str], ResolvedScenario]:
         resolved = ResolvedScenario.from_yaml(text, f"{path}: scenario", _SINCE)
     except ConfigurationError as error:
         raise BagError(str(error)) from error
-    return facts, resolved
+    return provenance, resolved
 
 
 def _published_scenario(container: Container) -> str | None:
@@ -155,7 +155,7 @@ class _Collector:
         self._transition = StreamBuilder(TransitionStream, team.n, "all")
         self._chi = {topic: ChiBuilder(team) for topic in (COMMAND, SOLUTION)}
         scenario = resolved.scenario
-        self._planning = PlanningCollector(scenario.robots, scenario.rate, plans=plans)
+        self._plan_topics = PlanTopicsCollector(scenario.robots, scenario.rate, plans=plans)
         self._targets: list[Target] = []
         self._settings: list[Setting] = []
         self._requested: list[tuple[int, Any]] = []  # time of sending [ns], message
@@ -183,7 +183,7 @@ class _Collector:
             self._add_setting(message)
         elif topic == REQUEST:
             self._requested.append((message.publish_time, self._decode(message)))
-        elif not self._planning.add(topic, partial(self._decode, message), message.publish_time):
+        elif not self._plan_topics.add(topic, partial(self._decode, message), message.publish_time):
             self._add_target(message)
 
     def _add_state(self, state: Any, sent: int) -> None:
@@ -195,7 +195,7 @@ class _Collector:
         if self._plant.add(state):
             self._begin_anew()
 
-    def run(self, path: Path, facts: dict[str, str], container: Container) -> Run:
+    def run(self, path: Path, provenance: dict[str, str], container: Container) -> Run:
         """Return the Run of all that was collected; raises BagError without a plant."""
         plant = self._plant.build()
         if not len(plant.tick):
@@ -203,7 +203,7 @@ class _Collector:
         chi = {topic.split("/")[1]: builder.build() for topic, builder in self._chi.items()}
         return Run(
             path,
-            facts,
+            provenance,
             self._resolved,
             plant,
             {node: last for node, (last, _) in chi.items()},
@@ -214,7 +214,7 @@ class _Collector:
             container.complete,
             self._requests(),
             {node: replaced for node, (_, replaced) in chi.items()},
-            self._planning.build(),
+            self._plan_topics.build(),
             tuple(self._settings),
         )
 
@@ -222,7 +222,7 @@ class _Collector:
         """Forget what a reset of the plant makes void: requests, and references set by users."""
         self._requested.clear()
         self._targets.clear()
-        self._planning.begin_anew()
+        self._plan_topics.begin_anew()
         for builder in self._chi.values():
             builder.begin_anew()
 

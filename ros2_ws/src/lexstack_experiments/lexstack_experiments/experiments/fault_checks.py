@@ -12,7 +12,7 @@ import numpy as np
 
 from lexstack.types import PlantStatus, Vector
 from lexstack_bag.figures.limits import JointLimits
-from lexstack_experiments.experiments.fault_records import Record, Solved, State, Told
+from lexstack_experiments.experiments.fault_records import Record, Solved, State, Statement
 
 _NS = 1e-9
 _AS_TOLD = (PlantStatus.FOLLOWING, PlantStatus.PAUSED)
@@ -102,8 +102,8 @@ def outcome(event: dict[str, Any], record: Record, limits: JointLimits, dt: floa
     if phase == "idle" and key in ("stack_solver", "htmpc"):
         needed = f"{key} is silent"  # robot A has nothing else to tell
     window = begun, ended + _AFTER
-    reason = first_told(record.transitions, window, wanted)
-    complaint = first_told(record.diagnostics, window, needed)
+    reason = first_statement(record.transitions, window, wanted)
+    complaint = first_statement(record.diagnostics, window, needed)
     missing = [name for name, pattern, found in (
         ("transition", wanted, reason), ("diagnostics", needed, complaint)
     ) if pattern and found is None]  # fmt: skip
@@ -177,7 +177,9 @@ def _beginnings(states: Sequence[State]) -> list[int]:
     return [b.at for a, b in pairwise(states) if a.sender != b.sender]
 
 
-def first_told(told: Iterable[Told], window: tuple[int, int], pattern: str) -> Told | None:
+def first_statement(
+    told: Iterable[Statement], window: tuple[int, int], pattern: str
+) -> Statement | None:
     """Return the first text in a time window [ns] that matches and was not there before it."""
     if not pattern:
         return None

@@ -16,9 +16,9 @@ from lexstack_experiments.experiments.relatching_trains import (
     RATE,
     Train,
     last_blending,
+    path_lengths,
     random_train,
     run,
-    ways,
     with_single_stacks,
 )
 from lexstack_experiments.loop import Loop
@@ -41,7 +41,7 @@ class Outcome:
     Attributes:
         seed: of the train.
         train: the events.
-        way: of the base with the largest ratio [m].
+        path_length: of the base with the largest ratio [m].
         perfect: of the same base with a B that is always there and in time [m].
         ratio: of the two; of the first, ``_LITTLE`` is left out.
         over: from the last event to the end of the last transition [s].
@@ -52,7 +52,7 @@ class Outcome:
 
     seed: int
     train: Train
-    way: float
+    path_length: float
     perfect: float
     ratio: float
     over: float
@@ -65,7 +65,14 @@ class Outcome:
         """Its row of the table."""
         train = self.train
         events = len(train.targets), len(train.switches), len(train.silent)
-        told = self.way, self.perfect, self.ratio, self.over, self.promised, self.acceleration
+        told = (
+            self.path_length,
+            self.perfect,
+            self.ratio,
+            self.over,
+            self.promised,
+            self.acceleration,
+        )
         return self.seed, train.mode, train.duration, *events, *told
 
 
@@ -106,7 +113,7 @@ def run_experiment(options: Options) -> Results:
 
 def _outcome(seed: int, train: Train, result: Loop, perfect: Loop) -> Outcome:
     """Return what one train came to."""
-    went, least = ways(result), ways(perfect)
+    went, least = path_lengths(result), path_lengths(perfect)
     ratios = np.maximum(went - _LITTLE, 0.0) / np.maximum(least, _ROUNDING)
     worst = int(ratios.argmax())
     limits = result.parts.team.limits

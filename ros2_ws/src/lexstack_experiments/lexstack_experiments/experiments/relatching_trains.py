@@ -216,7 +216,7 @@ def run(train: Train, resolved: ResolvedScenario, parts: Parts, *, perfect: bool
     return result
 
 
-def ways(result: Loop) -> Vector:
+def path_lengths(result: Loop) -> Vector:
     """Return how far each base went [m], shape (robots,)."""
     q = np.array([state.q for state in result.record.states])
     slices = result.parts.team.slices

@@ -20,11 +20,11 @@ from lexstack_ros.intake.plant_states import PlantStates
 from lexstack_ros.messages.conversions import WORLD, chi_of_command, to_sample, transition_status
 from lexstack_ros.messages.plans import PLAN, to_plan
 from lexstack_ros.messages.qos import STREAM
-from lexstack_ros.node.absence import Journal
+from lexstack_ros.node.absence import Absence
 from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, all_of
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter, tell_scenario
-from lexstack_ros.node.peer_watch import Watch
+from lexstack_ros.node.peer_watch import PeerWatch
 from lexstack_ros.node.sole_sender import AlreadyCommandedError, sender_name
 from lexstack_ros.node.spin import run_node
 
@@ -43,7 +43,7 @@ class HqpControllerNode(Node):
         self._controller = build_controller(self._resolved, self._parts)
         timeouts = self._resolved.scenario.timeouts
         self._patience = timeouts.source_wall
-        self._journal = Journal(round(timeouts.watchdog * self._resolved.scenario.rate))
+        self._absence = Absence(round(timeouts.watchdog * self._resolved.scenario.rate))
         self._state: RobotState | None = None  # the one that still waits for its command
         self._served = -1
         self._deadline = 0.0
@@ -72,7 +72,7 @@ class HqpControllerNode(Node):
         )
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_LOOK, self._on_look, clock=wall)
-        self._watch = Watch(self)
+        self._peer_watch = PeerWatch(self)
         Diagnostics(self, self._health)
         self._states = PlantStates(
             self,
@@ -87,7 +87,7 @@ class HqpControllerNode(Node):
 
     def _on_state(self, state: RobotState) -> None:
         """Serve a new state, or keep it until the source's chi is there."""
-        away = self._journal.arrive(state.tick)
+        away = self._absence.arrive(state.tick)
         if away:
             self._controller.transition.note(away)
         if not self._decisions.known(state, self._late_start):
@@ -149,7 +149,7 @@ class HqpControllerNode(Node):
         self._chi_out.publish(chi_of_command(command, self._chi))
         for transition in command.transitions:
             self._status_out.publish(transition_status(command, transition, self._status))
-        self._journal.see(command.transitions)
+        self._absence.see(command.transitions)
         self._served = state.tick
         self._meter.add(command.solve_time)
         near = command.near_singularity
@@ -169,11 +169,11 @@ class HqpControllerNode(Node):
         self._targets.schedule = self._controller.references
         self._decisions.restart(self._controller.references)
         self._requests.restart(self._controller.transition)
-        self._journal.begin_anew()
+        self._absence.begin_anew()
 
     def _complaints(self) -> tuple[str, ...]:
         """Return what the node's parts complain of."""
-        return self._journal.report(), self._watch.report(), self._targets.report()
+        return self._absence.report(), self._peer_watch.report(), self._targets.report()
 
     def _health(self) -> Health:
         """Return how the node is."""

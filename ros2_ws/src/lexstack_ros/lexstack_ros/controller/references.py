@@ -43,7 +43,7 @@ class TargetTopics:
         self._node = node
         self.schedule = schedule
         self.refused = 0
-        self._refusal = ""  # the last one since the last report
+        self._rejection = ""  # the last one since the last report
         for robot, name in enumerate(team.names):
             for kind in _KINDS:
                 topic = f"/{name}/{kind}"
@@ -59,13 +59,13 @@ class TargetTopics:
             self.refused += 1
             text = str(error).removeprefix(f"{kind}: ")
             line = text if text.startswith(topic) else f"{topic}: {text}"
-            self._refusal = f"refused: {line}"
-            self._node.get_logger().warning(self._refusal, throttle_duration_sec=1.0)
+            self._rejection = f"refused: {line}"
+            self._node.get_logger().warning(self._rejection, throttle_duration_sec=1.0)
 
     def report(self) -> str:
         """Return the last refusal since the last report, or ''."""
-        refusal, self._refusal = self._refusal, ""
-        return refusal
+        rejection, self._rejection = self._rejection, ""
+        return rejection
 
 
 class HeardReferences:
@@ -183,7 +183,7 @@ class _Goals:
 
     def __init__(self, node: Node, team: Team) -> None:
         """Create the publishers."""
-        self._told: Setting | None = None
+        self._announced: Setting | None = None
         self._ee: list[Publisher] = []
         self._base: list[Publisher] = []
         for name in team.names:
@@ -194,7 +194,7 @@ class _Goals:
 
     def tell(self, setting: Setting) -> None:
         """Publish the goals that have changed."""
-        before, self._told = self._told, setting
+        before, self._announced = self._announced, setting
         for robot, (out, ee) in enumerate(zip(self._ee, setting.ee, strict=True)):
             if before is None or ee is not before.ee[robot]:
                 self._publish(out, ee, setting.at)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from lexstack.transition import TransitionState
 
 
-class Journal:
+class Absence:
     """The ticks that robot A served, and why its transitions are not as asked."""
 
     def __init__(self, longest: int) -> None:

@@ -27,7 +27,7 @@ OnAnswer = Callable[[Job, bool, str], None]
 """Called with the job, whether it was asked to go back, and why it was refused, or ''."""
 
 
-class Following:
+class FollowClient:
     """Asks robot A by the service that all users have, and hears what became of it."""
 
     def __init__(
@@ -41,7 +41,7 @@ class Following:
         self._initial = resolved.scenario.initial_stack
         self._blend = resolved.scenario.transition.duration
         self._on_answer = on_answer
-        self._asked: dict[Future, tuple[Job, bool, float]] = {}
+        self._requested: dict[Future, tuple[Job, bool, float]] = {}
         self._now: dict[str, str] = {}  # by robot: the stack that it is on or goes to
         self._client = node.create_client(SwitchStack, "/robot_a/switch_stack")
         node.create_subscription(TransitionStatus, "/robot_a/transition", self._on_status, STREAM)
@@ -51,7 +51,7 @@ class Following:
     @property
     def pending(self) -> bool:
         """Whether an answer of robot A is awaited."""
-        return bool(self._asked)
+        return bool(self._requested)
 
     def stack(self, robot: int) -> str:
         """Return the stack that a robot is on, or goes to; '' before robot A was heard."""
@@ -87,21 +87,21 @@ class Following:
             robots=[self._team.names[job.robot]],
         )
         future = self._client.call_async(request)
-        self._asked[future] = job, back, time.monotonic() + _ANSWER
+        self._requested[future] = job, back, time.monotonic() + _ANSWER
         future.add_done_callback(partial(self._on_done))
 
     def _on_done(self, future: Future) -> None:
         """Hand an answer on."""
-        job, back, _ = self._asked.pop(future, (None, False, 0.0))
+        job, back, _ = self._requested.pop(future, (None, False, 0.0))
         if job is not None:
             answer = future.result()
             self._on_answer(job, back, "" if answer.accepted else answer.message)
 
     def _on_look(self) -> None:
         """Take an answer that does not come for a refusal."""
-        for future, (job, back, end) in list(self._asked.items()):
+        for future, (job, back, end) in list(self._requested.items()):
             if time.monotonic() > end:
-                del self._asked[future]
+                del self._requested[future]
                 self._client.remove_pending_request(future)
                 self._on_answer(job, back, f"robot A did not answer in {_ANSWER:g} s")
 
