@@ -16,5 +16,5 @@ __all__ = ["Train", "path_lengths", "random_train", "run", "still_blending"]
 
 
 def run(train: Train, *, perfect: bool = False) -> Loop:
-    """Return the closed loop after a train; ``perfect``: with a B that is there and in time."""
+    """Return the closed loop after a train; ``perfect``: with a solver that is in time."""
     return relatching_trains.run(train, with_single_stacks(), parts(), perfect=perfect)

@@ -1,4 +1,4 @@
-"""The HTMPC in the running system: A follows its plan, survives its loss, and goes back."""
+"""The HTMPC in the running system: its plan is followed, lost, and left again."""
 
 import dataclasses
 import os
@@ -180,7 +180,7 @@ def drive(name, x, **values):
 
 
 class KillAndAskAgain:
-    """Kills the HTMPC while A follows it, starts it anew, and sends one goal after another.
+    """Kills the HTMPC while it is followed, starts it anew, and sends one goal after another.
 
     The first one is pre-empted by the second, that is cancelled, the third is held until released.
     """
@@ -272,7 +272,7 @@ def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequences_are_taken(tmp_p
     assert np.abs(at_rest).max() < 1e-3
     assert largest_acceleration(tmp_path) <= 1.0 + 1e-6
     after = [m.source for m in states if m.id > lost.id and m.to_stack == "plan_robot_a"]
-    assert "htmpc" in after, "A follows again"
+    assert "htmpc" in after, "the controller follows again"
     results = [watch.results[number] for number in range(3)]
     assert [result.message for result in results[:2]] == [
         "pre-empted by another sequence",

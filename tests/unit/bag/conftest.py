@@ -295,7 +295,7 @@ def killed(tmp_path_factory: pytest.TempPathFactory, resolved: ResolvedScenario)
 
 @pytest.fixture(scope="session")
 def plant_alone(tmp_path_factory: pytest.TempPathFactory, resolved: ResolvedScenario) -> Synthetic:
-    """A bag with the plant's states and nothing else: robot A died at once."""
+    """A bag with the plant's states and nothing else: the controller died at once."""
     folder = tmp_path_factory.mktemp("alone") / "bag"
     with BagWriter(folder, run_provenance(resolved)) as writer:
         maker = Maker(writer, resolved)

@@ -42,7 +42,7 @@ def copied(synthetic, folder, scenario):
 
 
 def store_data(writer, time, text):
-    """Write the scenario as robot A publishes it."""
+    """Write the scenario as the controller publishes it."""
     data = text.encode() + b"\0"
     cdr = b"\0\1\0\0" + len(data).to_bytes(4, "little") + data
     connection = writer.add_connection(

@@ -22,7 +22,7 @@ THEIRS = slice(10, 20)
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory, resolved):
-    """Tick 0: both parts; 1: robot B's alone; 2: A's twice, then B's; 3: a failed one; 4: whole.
+    """Tick 0: both parts; 1: B's alone; 2: A's twice, then B's; 3: a failed one; 4: whole.
 
     The parts of tick 2 arrive in between those of tick 0.
     """

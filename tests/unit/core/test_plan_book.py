@@ -1,4 +1,4 @@
-"""Plans as robot A samples them: only what is fresh and still holds."""
+"""Plans as the controller samples them: only what is fresh and still holds."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""How a gap keeps its motion, and how A takes over from a B that is late or wrong."""
+"""How a gap keeps its motion, and how a solver that is late or wrong is replaced."""
 
 import numpy as np
 import pytest
@@ -55,10 +55,12 @@ def test_a_takes_over_smoothly_from_a_late_b():
     run.run(120)
     sources = [c.transition.source for c in run.record.commands]
     begins = sources.index(Source.LOCAL)
-    assert sources[begins - 1] is Source.ROBOT_B
+    assert sources[begins - 1] is Source.SOLVER
     told = run.record.commands[begins].transition
     assert told.alpha == 0.0
-    assert "(m/s, rad/s) off robot A's own: robot A blends on to its own" in told.reason
+    assert (
+        "(m/s, rad/s) off the controller's own: the controller blends on to its own" in told.reason
+    )
     assert run.record.commands[-1].transition.reason == "", "told only while it blends"
     assert bend_of(run, begins) < 0.05
     assert run.record.commands[-1].transition.phase is Phase.IDLE
@@ -79,10 +81,10 @@ def test_a_frozen_b_is_noticed_at_its_first_tick():
     run.link = Frozen(20)
     run.controller.transition.ask("reach_base", 0.0, "", 2)
     run.run(80)
-    assert run.record.commands[19].transition.source is Source.ROBOT_B
+    assert run.record.commands[19].transition.source is Source.SOLVER
     told = run.record.commands[20].transition
     assert told.source is Source.LOCAL
-    assert told.reason.startswith("robot B's chi at tick 20 misses level 1 by ")
+    assert told.reason.startswith("the solver's chi at tick 20 misses level 1 by ")
     assert bend_of(run, 20) < 0.05
     assert run.record.commands[-1].transition.phase is Phase.IDLE
 
@@ -92,4 +94,4 @@ def test_a_b_that_says_nothing_of_level_1_is_believed():
     run.link = lambda s: SourceSample(s.transition_id, s.tick, s.chi + 0.01, s.solved)
     run.controller.transition.ask("reach_base", 0.0, "", 2)
     run.run(30)
-    assert run.record.commands[-1].transition.source is Source.ROBOT_B
+    assert run.record.commands[-1].transition.source is Source.SOLVER

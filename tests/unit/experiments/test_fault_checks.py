@@ -49,7 +49,7 @@ EVENT = {
     "answers": 0,
     "rejoined": True,
 }
-LOST = Statement(int(2.1 * S), "local", "robot B lost at tick 210")
+LOST = Statement(int(2.1 * S), "local", "the solver lost at tick 210")
 SILENT = Statement(5 * S, "hqp_controller", "stack_solver is silent for 3 s")
 
 
@@ -114,12 +114,12 @@ def test_a_plant_that_brakes_is_a_sign_and_its_time_is_counted():
 
 def test_only_what_matches_in_its_time_counts():
     told = [
-        Statement(1, "a", "robot B lost"),
-        Statement(5, "a", "robot B is back"),
+        Statement(1, "a", "the solver lost"),
+        Statement(5, "a", "the solver is back"),
         Statement(7, "a", "robot C"),
     ]
-    assert first_statement(told, (4, 9), "robot B").at == 5
-    assert first_statement(told, (6, 9), "robot B") is None
+    assert first_statement(told, (4, 9), "the solver").at == 5
+    assert first_statement(told, (6, 9), "the solver") is None
     assert first_statement(told, (6, 9), "") is None
 
 

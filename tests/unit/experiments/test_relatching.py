@@ -15,7 +15,7 @@ def test_a_train_is_named_by_its_seed_and_run_with_and_without_a_perfect_b(tmp_p
     train = random_train(2, 400)
     assert (row["seed"], row["mode"], row["targets"]) == (2, "lockstep", len(train.targets))
     assert row["way m"] in path_lengths(run(train)).tolist()
-    assert row["way with B m"] in path_lengths(run(train, perfect=True)).tolist()
+    assert row["way with solver m"] in path_lengths(run(train, perfect=True)).tolist()
     assert 0.0 <= row["over after s"] <= row["promised s"]
 
 

@@ -135,7 +135,7 @@ class Player(Node):
                 raise ScenarioFailedError(f"{topic}: not taken by all listeners in {_ANSWER:g} s")
 
     def _send_switch(self, event: EventConfig) -> None:
-        """Ask robot A to switch its stack at the event's time."""
+        """Ask the controller to switch its stack at the event's time."""
         request = SwitchStack.Request(
             stack=event.switch,
             duration=event.duration,

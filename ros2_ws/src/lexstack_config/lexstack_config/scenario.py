@@ -57,9 +57,15 @@ class PoseConfig:
 class TimeoutsConfig:
     """Every wait has an end."""
 
-    source_wall: float = 1.0  # s of wall time that A waits for B's chi of a tick (lockstep)
-    source_stale: float = 0.05  # s of simulated time after which B's chi is stale (realtime)
-    source_patience: float = 0.5  # s of simulated time that A waits for B's first chi (realtime)
+    source_wall: float = (
+        1.0  # s of wall time that the controller waits for the solver's chi of a tick (lockstep)
+    )
+    source_stale: float = (
+        0.05  # s of simulated time after which the solver's chi is stale (realtime)
+    )
+    source_patience: float = (
+        0.5  # s of simulated time that the controller waits for the solver's first chi (realtime)
+    )
     plan_stale: float = 0.25  # s of simulated time after which a plan is stale (realtime)
     command_wall: float = 2.0  # s of wall time that the bridge waits for a command (lockstep)
     watchdog: float = 0.1  # s of simulated time without a command after which all joints brake
@@ -146,7 +152,7 @@ class ScenarioConfig:
     htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)
     sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
     streams: tuple[StreamConfig, ...] = ()  # of targets
-    solvers: int = 1  # processes that solve for robot A, each for some of the robots
+    solvers: int = 1  # processes that solve for the controller, each for some of the robots
     solver: str = "daqp"  # a key of lexstack.hqp.SOLVERS
     mode: Mode = "lockstep"
     seed: int = 0

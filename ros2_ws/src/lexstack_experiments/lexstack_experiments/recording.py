@@ -53,7 +53,7 @@ def _plant(loop: Loop) -> PlantStream:
 
 
 def _chi(commands: list[Command]) -> ChiStream:
-    """Return robot A's commands."""
+    """Return the controller's commands."""
     return _stream(
         ChiStream,
         commands,

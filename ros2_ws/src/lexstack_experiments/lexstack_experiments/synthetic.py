@@ -1,7 +1,8 @@
 """A bag of any length, made without a run: two robots at 100 Hz, every topic of a demo.
 
-Messages are made once and then changed where they differ: stamps, ticks, numbers. Robot B is never
-idle, so the bag is as full as one can be. The motion is a sum of sines; it obeys no controller.
+Messages are made once and then changed where they differ: stamps, ticks, numbers. The solver is
+never idle, so the bag is as full as one can be. The motion is a sum of sines; it obeys no
+controller.
 """
 
 from __future__ import annotations
@@ -127,7 +128,7 @@ class _Maker:
                 yield topic, pattern.at(time, tick)
 
     def _status(self, tick: int, switch: int, since: int, stack: str) -> bytes:
-        """Return how far robot A is on its way."""
+        """Return how far the controller is on its way."""
         blending = bool(switch) and since <= _BLEND
         phase = (Phase.ADOPTING if since == _BLEND else Phase.BLENDING) if blending else Phase.IDLE
         data = _serialized(

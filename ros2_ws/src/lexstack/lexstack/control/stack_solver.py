@@ -1,4 +1,4 @@
-"""What robot B does: it solves the new stack for the present state, T(35), T(38), T(39)."""
+"""What the solver does: it solves the new stack for the present state, T(35), T(38), T(39)."""
 
 from __future__ import annotations
 

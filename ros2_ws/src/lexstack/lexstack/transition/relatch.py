@@ -43,7 +43,7 @@ class Tally:
 
     def lost(self, before: Source, choice: Choice, *, done: bool) -> Tally:
         """Return it after a tick; ``done``: alpha was at 1, so that this begins another blend."""
-        if before is not Source.ROBOT_B or choice.source is Source.ROBOT_B:
+        if before is not Source.SOLVER or choice.source is Source.SOLVER:
             return self
         return replace(self, losses=1 if done else self.losses + 1)
 

@@ -90,7 +90,9 @@ class Metrics:
     parts: tuple[RunPart, ...] = ()  # of the bag; none: it has no reset
     doubts: tuple[str, ...] = ()  # why no goal can be called reached
     gaps: tuple[str, ...] = ()  # what the bag does not have
-    singular: tuple[str, ...] = ()  # near which singularities robots were, as A said, and from when
+    singular: tuple[
+        str, ...
+    ] = ()  # near which singularities robots were, as the controller said, and from when
 
     def to_json(self) -> str:
         """Return the text of ``metrics.json``; it never holds NaN."""
@@ -199,14 +201,14 @@ def _phase(run: Run, team: Team, time_series: TimeSeries, phase: Phase) -> Phase
 
 
 def _damped(run: Run, ticks: NDArray[np.bool_]) -> float:
-    """Return in which share of some of the command's ticks a level was damped, as A says."""
+    """Return in which share of some ticks a level was damped, as the controller says."""
     reasons = [str(reason) for reason in run.chi[COMMANDER].reason[ticks]]
     damped = sum(reason.startswith(NEAR) and DAMPED in reason for reason in reasons)
     return damped / len(reasons) if reasons else 0.0
 
 
 def _singular(run: Run) -> tuple[str, ...]:
-    """Return what robot A said of singularities, each thing once with its stack and first time."""
+    """Return what the controller said of singularities, once each, with stack and first time."""
     told, said = run.transition, dict[str, str]()
     for stamp, stack, reason in zip(told.stamp, told.to_stack, told.reason, strict=True):
         at = str(reason).find(NEAR)
@@ -217,7 +219,7 @@ def _singular(run: Run) -> tuple[str, ...]:
 
 
 def _empty_bounds(run: Run) -> int:
-    """Return the ticks with an empty box: as robot A said, or as the bag shows."""
+    """Return the ticks with an empty box: as the controller said, or as the bag shows."""
     command = run.chi[COMMANDER]
     empty = (command.lower > command.upper).any(axis=1) | (command.empty_bounds > 0)
     return int(np.count_nonzero(empty))

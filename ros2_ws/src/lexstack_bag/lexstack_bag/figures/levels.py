@@ -108,7 +108,7 @@ def _common(run: Run, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArr
 
 
 def _linear(run: Run, team: Team, time_series: TimeSeries, stack: Stack, row: int) -> Levels:
-    """Return the levels of a stack, made linear as robot A did at a state of the plant."""
+    """Return the levels of a stack, made linear as the controller did at a state of the plant."""
     plant = run.plant
     vectors = (plant.q[row], plant.v[row], plant.q_star[row], plant.command[row])
     state = RobotState(int(plant.tick[row]), float(plant.stamp[row]), *vectors)
@@ -132,7 +132,7 @@ def _held(run: Run, team: Team, levels: Levels, command: int) -> dict[int, tuple
 
 
 def _is_optimum(levels: Levels, chi: Vector, slacks: Vector) -> bool:
-    """Return whether chi is what robot A solved these levels to, by the slacks that it sent.
+    """Return whether chi is what the controller solved these levels to, by the slacks that it sent.
 
     It is not in a blend, where a fallback stood in, and where the robots are on several stacks.
     """

@@ -1,6 +1,6 @@
 """What a run's bag says tick by tick: references in effect, errors, acceleration and jerk ratios.
 
-Shapes: T ticks of the plant, K ticks of robot A's command, N robots, n the length of chi.
+Shapes: T ticks of the plant, K ticks of the controller's command, N robots, n the length of chi.
 """
 
 from __future__ import annotations

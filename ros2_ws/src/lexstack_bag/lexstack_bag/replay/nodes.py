@@ -33,7 +33,7 @@ __all__ = ["REPLAYERS", "Question", "recorded_nodes", "replay_controller", "repl
 
 
 def replay_solver(question: Question) -> Outcome:
-    """Return what robot B answers to the recorded states and requests."""
+    """Return what the solver answers to the recorded states and requests."""
     run = question.run
     parts = Parts.of(question.resolved, every=True)
     solver = build_stack_solver(question.resolved, parts)
@@ -56,7 +56,7 @@ def replay_solver(question: Question) -> Outcome:
 
 
 def _asked(parts: Parts, stack: str, names: str) -> tuple[Stack, Columns]:
-    """Return what robot B, or one of several, solved of a stack, and the joints that it sent."""
+    """Return what the solver, or one of several, solved of a stack, and the joints that it sent."""
     robots, everyone = robots_of(names, parts.team), len(parts.team.names)
     known = parts.stacks[stack]
     if len(robots) == everyone:
@@ -65,10 +65,10 @@ def _asked(parts: Parts, stack: str, names: str) -> tuple[Stack, Columns]:
 
 
 def replay_controller(question: Question) -> Outcome:
-    """Return what robot A commands for the recorded states, requests and answers of robot B.
+    """Return what the controller commands for the recorded states, requests and solver's answers.
 
-    With changes robot B is replayed as well: it solves what the replayed A asks for. Plans of the
-    HTMPC are the recorded ones.
+    With changes the solver is replayed as well: it solves what the replayed controller asks for.
+    Plans of the HTMPC are the recorded ones.
     """
     run, chi = question.run, question.run.chi[COMMANDER]
     parts = Parts.of(question.resolved, every=True)

@@ -26,7 +26,7 @@ PLANNER = "htmpc"
 
 
 def heard_plans(run: Run, team: Team) -> Arrivals[HeardPlan]:
-    """Return the recorded plans as robot A took them, by the time of their sending."""
+    """Return the recorded plans as the controller took them, by the time of their sending."""
     return Arrivals(
         [
             (int(plan_topics.plans.sent[row]), _plan(plan_topics.plans, row, team.index(name)))
@@ -135,7 +135,7 @@ def _apply(
 
 
 def _plan(plans: PlanStream, row: int, robot: int) -> HeardPlan:
-    """Return a recorded plan as robot A took it."""
+    """Return a recorded plan as the controller took it."""
     times = np.asarray(plans.times[row])
     times = times[np.isfinite(times)]
     velocities = plans.velocity[row].reshape(len(times), -1)

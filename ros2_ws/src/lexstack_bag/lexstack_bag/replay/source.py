@@ -1,4 +1,4 @@
-"""Robot B, as a replayed robot A meets it: as it was recorded, or solving anew."""
+"""The solver, as a replayed controller meets it: as it was recorded, or solving anew."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from lexstack_bag.run.run import ChiStream, Run, SolveStatus
 from lexstack_config.parts import Parts, build_stack_solver
 
 SOLVER = "robot_b"
-"""Whose chi robot B sends."""
+"""Whose chi the solver sends."""
 
 
 class Source(Protocol):
-    """Robot B, as the replayed A meets it."""
+    """The solver, as the replayed controller meets it."""
 
     def hear(self, announcements: Iterable[Announcement]) -> None:
-        """Take what A tells it."""
+        """Take what the controller tells it."""
         ...
 
     def answer(self, controller: Controller, state: RobotState, now: int) -> None:
-        """Let A hear what it knows when it begins a tick, at a time [ns]."""
+        """Let the controller hear what it knows when it begins a tick, at a time [ns]."""
         ...
 
 
 class RecordedSource:
-    """Robot B's recorded answers."""
+    """The solver's recorded answers."""
 
     def __init__(self, run: Run, team: Team) -> None:
         """Take them from a run."""
@@ -42,28 +42,28 @@ class RecordedSource:
         self._samples = Arrivals(list(samples))
 
     def hear(self, announcements: Iterable[Announcement]) -> None:
-        """Do nothing: what B answered is known."""
+        """Do nothing: what the solver answered is known."""
 
     def answer(self, controller: Controller, _state: RobotState, now: int) -> None:
-        """Let A hear all that was sent before it began this tick."""
+        """Let the controller hear all that was sent before it began this tick."""
         for sample in self._samples.until(now):
             controller.transition.hear(sample)
 
 
 def revision_of(chi: ChiStream, row: int) -> int | None:
-    """Return the revision of the references that B solved with, None where it is not known."""
+    """Return the revision of the references that the solver used, None where it is not known."""
     known = int(chi.references[row]) if len(chi.references) else 0
     return known or None
 
 
 def _slack(chi: ChiStream, row: int) -> float | None:
-    """Return what robot B said of level 1, None where it said nothing."""
+    """Return what the solver said of level 1, None where it said nothing."""
     known = chi.slacks.shape[1] > 0 and bool(np.isfinite(chi.slacks[row, 0]))
     return float(chi.slacks[row, 0]) if known else None
 
 
 class LiveSource:
-    """Robot B, solving again what the replayed A asks for."""
+    """The solver, solving again what the replayed controller asks for."""
 
     def __init__(self, question: Question, parts: Parts) -> None:
         """Build it."""
@@ -88,7 +88,7 @@ class LiveSource:
 
 
 def _samples(chi: ChiStream, team: Team) -> Iterator[tuple[int, SourceSample]]:
-    """Yield B's messages as A took them, with the times of their sending [ns]."""
+    """Yield the solver's messages as the controller took them, with their sending times [ns]."""
     for row in range(len(chi.tick)):
         robots = robots_of(str(chi.robots[row]), team)
         some = len(robots) < len(team.names)

@@ -60,9 +60,9 @@ def computation(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
         "computation",
         "Solve times, α and the gap",
         "Fig. 9 of the paper. Top: wall-clock time from state to χ in each robot's own process; "
-        f"medians: {', '.join(medians) or 'none'}. Robot B solves only while a stack is prepared "
-        "or blended. Middle: α of the blends. Bottom: the largest difference over the joints "
-        "between the command and the source's χ.",
+        f"medians: {', '.join(medians) or 'none'}. The solver solves only while a stack is "
+        "prepared or blended. Middle: α of the blends. Bottom: the largest difference over the "
+        "joints between the command and the source's χ.",
         traces,
         stacked(["solve time [ms]", "α [-]", "gap [m/s, rad/s]"], 160, phases, grid.span),
     )
@@ -126,9 +126,9 @@ def levels(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure | None:
     return Figure(
         "levels",
         "What each level leaves",
-        "The 2-norm of the residual of each level in robot A's problem, level 1 first, in the "
-        "units of the level's tasks. While a blend runs these are the levels of the blend. Values "
-        "below 1e-9 are drawn there.",
+        "The 2-norm of the residual of each level in the controller's problem, level 1 first, "
+        "in the units of the level's tasks. While a blend runs these are the levels of the blend. "
+        "Values below 1e-9 are drawn there.",
         traces,
         layout,
     )

@@ -122,8 +122,8 @@ def stacks(phases: Sequence[Phase], grid: Grid) -> Figure:
     return timeline(
         "timeline",
         "Stacks over time",
-        "Top: the stack that robot A is on or on its way to. Below: from the trigger until the "
-        "stack was taken over.",
+        "Top: the stack that the controller is on or on its way to. Below: from the trigger "
+        "until the stack was taken over.",
         spans,
         grid.span,
     )

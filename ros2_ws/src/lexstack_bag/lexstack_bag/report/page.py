@@ -113,7 +113,7 @@ def _notes(run: Run, metrics: Metrics) -> list[str]:
     if metrics.gaps:
         notes.append(f"Gaps: {'; '.join(metrics.gaps)}. Lines in the plots are broken there.")
     if metrics.singular:
-        notes.append(f"Robot A told of singularities. {'; '.join(metrics.singular)}.")
+        notes.append(f"The controller told of singularities. {'; '.join(metrics.singular)}.")
     others = other_parts(run)
     if others:
         notes.append(

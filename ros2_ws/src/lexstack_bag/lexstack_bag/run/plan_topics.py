@@ -86,7 +86,7 @@ class PlanTopicsCollector:
         plan = topic == PLAN
         name = next(iter(message.joint_names), "").partition("/")[0] if plan else message.robot
         if name not in self._names or (plan and not message.points):
-            return True  # robot A refuses it
+            return True  # the controller refuses it
         robot = self._robots.setdefault(name, _Robot.new(self._rate))
         if plan:
             robot.plans.add(message, sent)

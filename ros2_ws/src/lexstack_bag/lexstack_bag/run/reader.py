@@ -105,7 +105,7 @@ def read_provenance(container: Container) -> tuple[dict[str, str], ResolvedScena
     """Return what a bag says about its run, and the scenario.
 
     The scenario stands in a Metadata record if lexstack's recorder wrote the bag; in any other bag
-    it is the message that robot A publishes.
+    it is the message that the controller publishes.
 
     Raises:
         BagError: the bag has neither.
@@ -126,7 +126,7 @@ def read_provenance(container: Container) -> tuple[dict[str, str], ResolvedScena
 
 
 def _published_scenario(container: Container) -> str | None:
-    """Return the scenario that robot A published, or None; raises BagError."""
+    """Return the scenario that the controller published, or None; raises BagError."""
     decode = Decoder()
     for message in container.messages():
         if message.topic == SCENARIO:
@@ -235,7 +235,7 @@ class _Collector:
             at = seconds(value.header.stamp)
             setting = decode(at, value.revision, vectors, robots, DECISIONS)
         except InputError:
-            return  # robot B refused it, too
+            return  # the solver refused it, too
         if self._settings and setting.at < self._settings[-1].at:
             self._settings.clear()
         self._settings.append(setting)
@@ -259,7 +259,7 @@ class _Collector:
             self._targets.append(target)
 
     def _requests(self) -> tuple[StackRequested, ...]:
-        """Return the requests to robot B between the commands of robot A, by A's own clock."""
+        """Return the requests to the solver between the controller's commands, by its own clock."""
         times, ticks = (np.frombuffer(column, np.int64) for column in self._commanded)
         found = []
         for sent, message in sorted(self._requested, key=lambda entry: entry[0]):

@@ -121,9 +121,9 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class StackRequested:
-    """One ``/robot_a/stack_request``: what robot A told its source that it shall solve."""
+    """One ``/robot_a/stack_request``: what the controller told its source that it shall solve."""
 
-    after: int  # tick of the command that A had sent last; -1: none
+    after: int  # tick of the command that the controller had sent last; -1: none
     id: int  # of the transition
     stack: str
     start_tick: int
@@ -212,7 +212,9 @@ class Run:
     plan_topics: dict[str, PlanTopics] = field(
         default_factory=dict
     )  # by robot, of those with plans
-    settings: tuple[Setting, ...] = ()  # robot A's decisions on references; older bags have none
+    settings: tuple[
+        Setting, ...
+    ] = ()  # the controller's decisions on references; older bags have none
     part: int = 1  # which one of ``parts`` this is, from 1
     parts: tuple[RunPart, ...] = ()  # of the whole bag; none: there was no reset
 

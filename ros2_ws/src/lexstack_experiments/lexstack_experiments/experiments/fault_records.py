@@ -60,7 +60,7 @@ class Record:
 
     states: list[State] = field(default_factory=list)
     commands: list[Solved] = field(default_factory=list)
-    solutions: list[Solved] = field(default_factory=list)  # robot B's
+    solutions: list[Solved] = field(default_factory=list)  # the solver's
     plans: list[int] = field(default_factory=list)  # ns since 1970
     transitions: list[Statement] = field(default_factory=list)
     diagnostics: list[Statement] = field(default_factory=list)

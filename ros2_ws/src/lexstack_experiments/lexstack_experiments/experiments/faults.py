@@ -136,7 +136,7 @@ def figures(outcomes: Sequence[Outcome], unreadable: Sequence[str]) -> list[Figu
         ),
         zero("Messages reordered", sum(e.reordered for e in outcomes)),
         zero("Cases without the reason", sum(bool(e.missing) for e in outcomes)),
-        zero("Cases after which B did not serve", sum(not e.rejoined for e in outcomes)),
+        zero("Cases after which the solver did not serve", sum(not e.rejoined for e in outcomes)),
         zero("Cases that were not seen to end", sum(e.recovered is None for e in outcomes)),
         zero("Bags that cannot be read", len(unreadable)),
         Figure("Requests of the flood that were answered", answered, "", Goal("==", FLOOD)),

@@ -42,7 +42,7 @@ class MethodFigures:
         stepped: the same over the blend of a switch at which level 1's references jump, or None.
         empty: ticks with an empty box.
         settled: from the last switch until all errors stay in their band [s], or None.
-        qps: levels that A solved per tick of a blend, mean; None without a blend.
+        qps: levels that the controller solved per tick of a blend, mean; None without a blend.
         median: wall time of a tick of a blend [us]; None without a blend.
         p99: the same, 99th percentile.
     """
@@ -146,7 +146,7 @@ class Play:
         return np.asarray((time >= start - slack) & (time < end - slack))
 
     def _blending(self) -> Mask:
-        """Return at which ticks A follows a source."""
+        """Return at which ticks the controller follows a source."""
         commands = self.loop.record.commands
         return np.array([c.transition.source is not Source.NONE for c in commands])
 

@@ -64,7 +64,7 @@ def _motion(measured: Analysis, times: dict[str, float], path: Path) -> None:
 
 
 def _switch(loop: Loop, name: str, start: float, path: Path, *, side_by_side: bool) -> None:
-    """Draw what robot B asks for and what robot A commands around a switch, T Figs. 6 to 8."""
+    """Draw the solver's chi and the controller's command around a switch, T Figs. 6 to 8."""
     team, rate = loop.parts.team, loop.resolved.scenario.rate
     first, last = round((start - _BEFORE) * rate), round((start + _AFTER) * rate)
     commands = loop.record.commands[first:last]
@@ -88,7 +88,7 @@ def _switch(loop: Loop, name: str, start: float, path: Path, *, side_by_side: bo
 
 
 def _finish(panels: list[Axes], robot: str, times: dict[str, float]) -> None:
-    """Name one robot's panels: one with both curves, or B's to the left and A's to the right."""
+    """Name one robot's panels: both curves in one, or the solver's left and the command right."""
     if len(panels) == 1:
         panels[0].set_title(f"{robot}: dashed χ_B, solid χ [m/s, rad/s]", loc="left")
     else:
@@ -103,7 +103,7 @@ def _finish(panels: list[Axes], robot: str, times: dict[str, float]) -> None:
 
 
 def _source(loop: Loop, tick: int) -> Vector:
-    """Return robot B's chi of a tick, nan where it was not asked."""
+    """Return the solver's chi of a tick, nan where it was not asked."""
     return loop.record.sources.get(tick, np.full(loop.parts.team.n, np.nan))
 
 

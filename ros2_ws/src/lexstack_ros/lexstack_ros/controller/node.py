@@ -1,4 +1,4 @@
-"""Robot A: one command per plant state; switches its stack when asked to."""
+"""The controller: one command per plant state; switches its stack when asked to."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from lexstack_ros.node.sole_sender import AlreadyCommandedError, sender_name
 from lexstack_ros.node.spin import run_node
 
 _LATE_START = 1.0  # s of simulated time: whoever comes later has been there before, or should have
-_LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
+_LOOK = 0.02  # s of wall time between two looks whether the wait for the solver is over
 
 
 class HqpControllerNode(Node):
@@ -51,7 +51,7 @@ class HqpControllerNode(Node):
         self._damped = 0  # ticks near a singularity
         self._near = ""  # the last of them since the last report
         self._meter = Meter()
-        self._late = 0  # ticks that waited in vain for robot B
+        self._late = 0  # ticks that waited in vain for the solver
         self.failure: AlreadyCommandedError | None = None  # ends the process
         self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
         self._chi.header.frame_id = WORLD
@@ -92,8 +92,8 @@ class HqpControllerNode(Node):
             self._controller.transition.note(away)
         if not self._decisions.known(state, self._late_start):
             return
-        # A tick's references are decided when its state comes, if not before: what comes while A
-        # waits for the source would reach the two at different ticks.
+        # A tick's references are decided when its state comes, if not before: what comes while the
+        # controller waits for the source would reach the two at different ticks.
         self._controller.prepare(state)
         if self._decisions.missing:
             self._controller.transition.note(self._decisions.missing)
@@ -110,7 +110,7 @@ class HqpControllerNode(Node):
         return name == self._chi.sender
 
     def _on_source(self, message: Chi) -> None:
-        """Take robot B's chi, and what waits behind it, one by one: the first may be due."""
+        """Take the solver's chi, and what waits behind it, one by one: the first may be due."""
         for chi in (message, *(other for other, _ in waiting(self._source))):
             try:
                 self._controller.transition.hear(to_sample(chi, self._parts.team, "/robot_b/chi"))
@@ -187,7 +187,7 @@ class HqpControllerNode(Node):
                 **self._meter.report(),
                 **ages,
                 "tick": str(self._served),
-                "ticks without robot B in time": str(self._late),
+                "ticks without the solver in time": str(self._late),
                 "fallbacks": str(self._fallbacks),
                 "ticks damped near a singularity": str(self._damped),
                 "levels held back by bounds": self._controller.obstructed(),
@@ -198,7 +198,7 @@ class HqpControllerNode(Node):
 
 
 def main() -> int:
-    """Run robot A's controller; returns the exit code."""
+    """Run the controller's controller; returns the exit code."""
     return run_node(HqpControllerNode)
 
 

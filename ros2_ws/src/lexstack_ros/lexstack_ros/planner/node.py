@@ -1,4 +1,4 @@
-"""The HTMPC node: executes sequences of tasks; robot A follows its plans like robot B's chi."""
+"""The HTMPC node: executes sequences of tasks; the controller follows its plans."""
 
 from __future__ import annotations
 
@@ -121,10 +121,12 @@ class HtmpcNode(Node):
         return self._by_goal.pop(bytes(handle.goal_id.uuid)).result
 
     def _on_answer(self, job: Job, back: bool, rejection: str) -> None:
-        """Go on as robot A has answered."""
+        """Go on as the controller has answered."""
         if rejection:
-            self.get_logger().warning(f"robot A refused: {rejection}", throttle_duration_sec=1.0)
-            job.end(f"robot A refused: {rejection}")
+            self.get_logger().warning(
+                f"the controller refused: {rejection}", throttle_duration_sec=1.0
+            )
+            job.end(f"the controller refused: {rejection}")
             if not back and self._jobs.get(job.robot) is job:
                 self._drop(job)
         elif job.stage is Stage.ASKED:
@@ -180,7 +182,7 @@ class HtmpcNode(Node):
         self._serve()
 
     def _serve(self) -> None:
-        """Plan for every robot with a sequence, unless robot A's answer decides what comes."""
+        """Plan for every robot with a sequence, unless an answer is awaited that decides."""
         state = self._waits
         if state is None or (self._lockstep and self._follow_client.pending):
             return
@@ -213,14 +215,14 @@ class HtmpcNode(Node):
             self._follow_client.go_back(job, state.tick, self._every)
 
     def _left(self, job: Job) -> bool:
-        """Return whether robot A does not follow any more, and then forget the job."""
+        """Return whether the controller does not follow any more, and then forget the job."""
         stack = self._follow_client.stack(job.robot)
         if stack == plan_stack(self._team.names[job.robot]):
             job.followed = True
             return False
         if not job.followed:
             return False
-        job.end(f"robot A went to {stack!r}")
+        job.end(f"the controller went to {stack!r}")
         self._drop(job)
         return True
 

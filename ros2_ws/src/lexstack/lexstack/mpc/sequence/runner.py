@@ -76,7 +76,8 @@ class SequenceRunner:
             team: the robots.
             robot: its place.
             config: parameters of the MPC.
-            blend: from a sequence's begin, how long robot A takes until it follows exactly [s].
+            blend: from a sequence's begin, how long the controller takes until it follows exactly
+                [s].
         """
         self.robot = robot
         self.sequence: Sequence | None = None
@@ -141,10 +142,11 @@ class SequenceRunner:
     def step(self, state: RobotState) -> Progress:
         """Return plan and progress at a state.
 
-        Poses are the measured ones. The velocity is the command in force, which robot A changes
-        within its limits from tick to tick: the plan goes on from there. While robot A still blends
-        into the plan, its command is off it by a gap that fades; a plan that began there would add
-        the gap once more each time. So until then the plan before goes on.
+        Poses are the measured ones. The velocity is the command in force, which the controller
+        changes within its limits from tick to tick: the plan goes on from there. While the
+        controller still blends into the plan, its command is off it by a gap that fades; a plan
+        that began there would add the gap once more each time. So until then the plan before goes
+        on.
 
         Raises:
             InputError: no sequence is under way.

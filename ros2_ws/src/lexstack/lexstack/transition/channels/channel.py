@@ -104,7 +104,7 @@ class Channel:
         if tally is not blend.tally:
             blend = replace(blend, tally=tally)
         blend = blend.advanced(chi, tick, context, unsteady=unsteady)
-        at_end = adopts and choice.source is Source.ROBOT_B and blend.progress.alpha >= 1.0
+        at_end = adopts and choice.source is Source.SOLVER and blend.progress.alpha >= 1.0
         if at_end and blend.request.method in BRIDGES:
             blend, why = _at_end(blend, sources.own(target, context), tick, context)
             reason = why or reason
@@ -193,7 +193,7 @@ def _followed(
         return choice, blend
     alone = tally.losses >= LOSSES
     if alone:
-        count = f"; it is loss {tally.losses} of this blend, so B is not followed again"
+        count = f"; it is loss {tally.losses} of this blend, so the solver is not followed again"
         choice = replace(choice, why=choice.why + count)
     return choice, replace(blend, tally=tally, alone=alone)
 
@@ -209,7 +209,7 @@ def _held_back(blend: Blend, context: TickContext) -> str:
 
 def source_of(stack: Stack) -> Source:
     """Return who is to solve a stack for the controller."""
-    return Source.HTMPC if stack.planned else Source.ROBOT_B
+    return Source.HTMPC if stack.planned else Source.SOLVER
 
 
 def latch_state_of(
@@ -273,7 +273,7 @@ def _at_end(blend: Blend, own: Vector, tick: int, context: TickContext) -> tuple
     if (apart <= _SAME * context.limits.acceleration[mine] * context.dt).all():
         return blend, ""
     why = (
-        f"robot B's chi at tick {tick} is {apart.max():.2g} (m/s, rad/s) off robot A's own: "
-        "robot A blends on to its own"
+        f"the solver's chi at tick {tick} is {apart.max():.2g} (m/s, rad/s) off the "
+        "controller's own: the controller blends on to its own"
     )
     return blend.taken_over(own, tick, context), why

@@ -110,7 +110,7 @@ class Sources:
         requested_at: int,
         tick: int,
         revision: int | None = None,
-        expected: Source = Source.ROBOT_B,
+        expected: Source = Source.SOLVER,
     ) -> Choice | None:
         """Return whom to follow into a new stack, or None while the wait goes on.
 
@@ -146,7 +146,7 @@ class Sources:
         transition_id: int,
         context: TickContext,
         level: Rows,
-        expected: Source = Source.ROBOT_B,
+        expected: Source = Source.SOLVER,
     ) -> Choice:
         """Return whom to follow now.
 
@@ -198,13 +198,13 @@ class Sources:
 
 def _wrong(tick: int, miss: float, instead: Source) -> str:
     """Return the reason to report for a chi that is not of the tick that it names."""
-    return f"robot B's chi at tick {tick} misses level 1 by {miss:.2g}: {_instead(instead)}"
+    return f"the solver's chi at tick {tick} misses level 1 by {miss:.2g}: {_instead(instead)}"
 
 
-def _instead(source: Source, expected: Source = Source.ROBOT_B) -> str:
+def _instead(source: Source, expected: Source = Source.SOLVER) -> str:
     """Return what is followed in place of the source that was asked, in words."""
     if expected is Source.HTMPC:
         return "the robots come to rest"
     if source is Source.LOCAL:
-        return "robot A solves the new stack itself"
-    return "robot A goes to minimum velocity"
+        return "the controller solves the new stack itself"
+    return "the controller goes to minimum velocity"
