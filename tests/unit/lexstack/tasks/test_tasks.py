@@ -25,7 +25,7 @@ RNG = np.random.default_rng(2)
 DT = 0.01
 STEP = 1e-6
 NEEDED = {"relative_pose": {"other": "robot_a"}}  # parameters without a default
-# Nothing to bring to zero; tests/unit/core/test_tasks_distance.py has the derivatives of distances.
+# Nothing to bring to zero; test_collision_avoidance.py has the derivatives of distances.
 WITHOUT_ERROR = {"distance", "minimum_velocity"}
 
 
