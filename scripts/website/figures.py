@@ -63,7 +63,9 @@ def bridge() -> Figure:
     rest = np.array([1.0 - alpha("quintic", t - start, duration) for t in time])
     gap = 0.1 - (0.5 + 0.2 * np.sin(2.0 * start))
     command = np.where(time < start, before, source + rest * gap)
-    slip = np.full(1, -0.4 * np.cos(2.0 * start))  # rad/s^2, the acceleration of A less that of B
+    slip = np.full(
+        1, -0.4 * np.cos(2.0 * start)
+    )  # rad/s^2, the acceleration of the controller less that of the solver
     motion = replace(GapMotion.none(1, duration), acceleration_mismatch=slip)
     carried = np.array([motion.at(t - start)[0] if t >= start else 0.0 for t in time])
     step = np.where(time < start, before, source)

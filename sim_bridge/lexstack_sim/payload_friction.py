@@ -14,7 +14,9 @@ from lexstack_sim.world import body_name, joint_name, wxyz
 _STICTION = 0.9999
 
 
-def add_burden(world: mujoco.MjModel, data: mujoco.MjData, team: Team, config: PlantConfig) -> None:
+def add_payload_friction(
+    world: mujoco.MjModel, data: mujoco.MjData, team: Team, config: PlantConfig
+) -> None:
     """Add payload and friction to a compiled world; the pinocchio models stay as they are."""
     if config.friction:
         for robot in team.robots:

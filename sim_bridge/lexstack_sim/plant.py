@@ -15,9 +15,9 @@ from lexstack_config.plant import PushConfig
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_sim.contacts import touching
 from lexstack_sim.impedance import ImpedanceLoop, per_joint
-from lexstack_sim.payload_friction import add_burden
-from lexstack_sim.plant_state import Counters, Memory, PlantError, Snapshot, Status
-from lexstack_sim.sensors import Senses
+from lexstack_sim.payload_friction import add_payload_friction
+from lexstack_sim.plant_state import Counters, PlantError, PlantState, Snapshot, Status
+from lexstack_sim.sensors import Sensors
 from lexstack_sim.world import PHYSICS_PERIOD, build_world
 from lexstack_sim.wrench import Wrench, apply_wrenches, wrench_on
 
@@ -64,8 +64,8 @@ class Plant:
         self._step_limit = team.limits.acceleration * self.period
         self.world = build_world(team)
         self._data = mujoco.MjData(self.world)
-        add_burden(self.world, self._data, team, scenario.plant)
-        self._senses = Senses(scenario.plant, team, PHYSICS_PERIOD)
+        add_payload_friction(self.world, self._data, team, scenario.plant)
+        self._sensors = Sensors(scenario.plant, team, PHYSICS_PERIOD)
         self._pushes = [
             (round(push.at / self.period), self._wrench(push)) for push in scenario.plant.pushes
         ]
@@ -80,11 +80,11 @@ class Plant:
         mujoco.mj_resetData(self.world, self._data)
         self._data.qpos[:] = self._home
         self._loop.reset(self._home)
-        self._memory = Memory(
+        self._plant_state = PlantState(
             self._home.copy(),
             np.zeros(n),
             self._data.ctrl.copy(),
-            self._senses.begin(self._home, seed),
+            self._sensors.begin(self._home, seed),
         )
         self._wrenches: list[Wrench] = []
         self.counters = Counters()
@@ -93,33 +93,33 @@ class Plant:
     @property
     def status(self) -> Status:
         """What the plant did in its last tick."""
-        return self._memory.status
+        return self._plant_state.status
 
     @property
     def effort(self) -> Vector:
         """Forces of the actuators in the last physics step, shape (n,), N and N m."""
-        return _frozen(self._memory.effort)
+        return _frozen(self._plant_state.effort)
 
     @property
     def contacts(self) -> int:
         """Points at which robots touched others, or obstacles, in the last physics step."""
-        return self._memory.contacts
+        return self._plant_state.contacts
 
     @property
     def contact_force(self) -> float:
         """Sum of the normal forces at these points [N]."""
-        return self._memory.contact_force
+        return self._plant_state.contact_force
 
     def state(self) -> RobotState:
         """Return the present state, as far as it is measured."""
-        memory = self._memory
+        plant_state = self._plant_state
         return RobotState(
-            tick=memory.tick,
-            stamp=memory.tick * self.period,
-            q=_frozen(memory.senses.q),
-            v=_frozen(memory.senses.v),
-            q_star=_frozen(memory.q_star),
-            command=_frozen(memory.command),
+            tick=plant_state.tick,
+            stamp=plant_state.tick * self.period,
+            q=_frozen(plant_state.sensors.q),
+            v=_frozen(plant_state.sensors.v),
+            q_star=_frozen(plant_state.q_star),
+            command=_frozen(plant_state.command),
         )
 
     def step(self, chi: Vector | None) -> RobotState:
@@ -161,7 +161,7 @@ class Plant:
         mujoco.mj_getState(self.world, self._data, physics, _ALL)
         return Snapshot(
             physics,
-            copy.deepcopy(self._memory),
+            copy.deepcopy(self._plant_state),
             copy.copy(self.counters),
             tuple(self._wrenches),
         )
@@ -169,7 +169,7 @@ class Plant:
     def restore(self, snapshot: Snapshot) -> RobotState:
         """Go back to a saved state; what follows is the same to the bit."""
         mujoco.mj_setState(self.world, self._data, snapshot.physics, _ALL)
-        self._memory = copy.deepcopy(snapshot.memory)
+        self._plant_state = copy.deepcopy(snapshot.plant_state)
         self.counters = copy.copy(snapshot.counters)
         self._wrenches = list(snapshot.wrenches)
         return self.state()
@@ -186,56 +186,56 @@ class Plant:
 
     def _follow(self, chi: Vector) -> None:
         """Take a command over, and count what a well-behaved controller never sends."""
-        memory, limits = self._memory, self.team.limits
+        plant_state, limits = self._plant_state, self.team.limits
         within = 1.0 + _TOLERANCE
-        change = np.abs(chi - memory.command)
+        change = np.abs(chi - plant_state.command)
         self.counters.over_velocity += bool((np.abs(chi) > within * limits.velocity).any())
         self.counters.over_acceleration += bool((change > within * self._step_limit).any())
-        memory.command[:] = chi
-        memory.silence = 0
-        memory.status = Status.FOLLOWING
+        plant_state.command[:] = chi
+        plant_state.silence = 0
+        plant_state.status = Status.FOLLOWING
 
     def _miss(self) -> None:
         """Keep the last command for the watchdog's time, then slow down within the limits."""
-        memory = self._memory
-        memory.silence += 1
+        plant_state = self._plant_state
+        plant_state.silence += 1
         self.counters.missing += 1
-        if memory.silence <= self._watchdog:
-            memory.status = Status.HOLDING
+        if plant_state.silence <= self._watchdog:
+            plant_state.status = Status.HOLDING
             return
-        memory.status = Status.BRAKING
-        memory.command -= np.clip(memory.command, -self._step_limit, self._step_limit)
+        plant_state.status = Status.BRAKING
+        plant_state.command -= np.clip(plant_state.command, -self._step_limit, self._step_limit)
 
     def _advance(self) -> None:
         """Run the physics of one tick; q* moves along the command (first-order hold)."""
-        memory, data = self._memory, self._data
-        q, v, command = data.qpos, data.qvel, memory.command
+        plant_state, data = self._plant_state, self._data
+        q, v, command = data.qpos, data.qvel, plant_state.command
         increment = PHYSICS_PERIOD * command
         self._begin_pushes()
         for _ in range(self._steps):
-            self._loop.update(q, v, memory.q_star, command)
-            if self._senses.slips:
-                data.ctrl *= memory.senses.grip
+            self._loop.update(q, v, plant_state.q_star, command)
+            if self._sensors.slips:
+                data.ctrl *= plant_state.sensors.grip
             if self._wrenches:
                 self._push()
             if self._obstacles.moving:
                 data.mocap_pos[:] = self._obstacles.at(data.time)
             mujoco.mj_step(self.world, data)
-            memory.q_star += increment
-            if not self._senses.perfect:
-                self._senses.see(memory.senses, q, v)
-        self._senses.measure(memory.senses, q, v)
+            plant_state.q_star += increment
+            if not self._sensors.perfect:
+                self._sensors.see(plant_state.sensors, q, v)
+        self._sensors.measure(plant_state.sensors, q, v)
         if any(data.warning[kind].number for kind in _DIVERGED):
             raise PlantError(f"the simulation became unstable at {data.time:.3f} s")
         self._bound_q_star()
-        memory.tick += 1
-        memory.effort[:] = data.actuator_force
-        memory.contacts, memory.contact_force = touching(self.world, data)
-        self.counters.contact += memory.contacts > 0
+        plant_state.tick += 1
+        plant_state.effort[:] = data.actuator_force
+        plant_state.contacts, plant_state.contact_force = touching(self.world, data)
+        self.counters.contact += plant_state.contacts > 0
 
     def _bound_q_star(self) -> None:
         """Pull q* back where it has run away from q, e.g. against an obstacle."""
-        q, q_star = self._data.qpos, self._memory.q_star
+        q, q_star = self._data.qpos, self._plant_state.q_star
         bounded = np.clip(q_star, q - self._distance, q + self._distance)
         if not np.array_equal(bounded, q_star):
             self.counters.clamped += 1
@@ -243,7 +243,7 @@ class Plant:
 
     def _begin_pushes(self) -> None:
         """Begin the scenario's pushes that are due at this tick."""
-        self._wrenches += [push for tick, push in self._pushes if tick == self._memory.tick]
+        self._wrenches += [push for tick, push in self._pushes if tick == self._plant_state.tick]
 
     def _wrench(self, push: PushConfig) -> Wrench:
         """Return a push of the scenario."""

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from lexstack.errors import LexstackError
 from lexstack.types import PlantStatus as Status
 from lexstack.types import Vector
-from lexstack_sim import sensors
+from lexstack_sim.sensors import SensorState
 from lexstack_sim.wrench import Wrench
 
-__all__ = ["Counters", "Memory", "PlantError", "Snapshot", "Status"]
+__all__ = ["Counters", "PlantError", "PlantState", "Snapshot", "Status"]
 
 
 class PlantError(LexstackError):
@@ -29,13 +29,13 @@ class Counters:
 
 
 @dataclass(slots=True)
-class Memory:
+class PlantState:
     """All that the plant remembers beside MuJoCo's own state."""
 
     q_star: Vector
     command: Vector
     effort: Vector
-    senses: sensors.Memory
+    sensors: SensorState
     tick: int = 0
     silence: int = 0  # ticks since the last command
     status: Status = Status.FOLLOWING
@@ -48,6 +48,6 @@ class Snapshot:
     """A state of the plant to come back to, exactly."""
 
     physics: Vector
-    memory: Memory
+    plant_state: PlantState
     counters: Counters
     wrenches: tuple[Wrench, ...]

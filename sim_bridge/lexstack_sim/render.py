@@ -81,7 +81,7 @@ class Renderer:
         self._context = _gl_context(width, height)
         self._context.make_current()
         self._team = team
-        self._world = build_world(team, looks=True)
+        self._world = build_world(team, visuals=True)
         self._data = mujoco.MjData(self._world)
         self._camera = mujoco.MjvCamera()
         self._option = mujoco.MjvOption()

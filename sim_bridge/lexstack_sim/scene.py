@@ -43,7 +43,7 @@ def scene(team: Team) -> Plain:
         the joint's place in q. ``parts``: shapes of a body. ``meshes``: what parts refer to,
         coordinates as 16-bit steps from ``lower``.
     """
-    world = build_world(team, looks=True)
+    world = build_world(team, visuals=True)
     numbers: dict[int, int] = {}  # of the meshes that are used
     # Obstacles move with the clock, not with q: the viewer draws them itself.
     moved = [i for i in range(1, world.nbody) if world.body_mocapid[i] < 0]

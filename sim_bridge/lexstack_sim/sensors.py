@@ -12,8 +12,8 @@ from lexstack_config.plant import PlantConfig
 
 
 @dataclass(slots=True)
-class Memory:
-    """What the senses remember.
+class SensorState:
+    """What the sensors remember.
 
     Attributes:
         random: of the noise and the slip.
@@ -32,7 +32,7 @@ class Memory:
     grip: Vector
 
 
-class Senses:
+class Sensors:
     """Sensors of all robots, and the grip of their wheels.
 
     The torque loop reads its joints by itself; this is what the controllers are told.
@@ -51,25 +51,25 @@ class Senses:
         self.perfect = not (config.encoder_step or config.velocity_noise or self._age)
         self.slips = config.base_slip > 0.0
 
-    def begin(self, q: Vector, seed: int) -> Memory:
+    def begin(self, q: Vector, seed: int) -> SensorState:
         """Return the memory of a plant that has always been at rest at q, shape (n,)."""
         past = np.zeros((self._age + 1, 2, q.size))
         past[:, 0] = q
         random = np.random.default_rng(seed)
-        memory = Memory(random, past, 0, q.copy(), np.zeros(q.size), np.ones(q.size))
-        self.measure(memory, q, memory.v)
-        return memory
+        state = SensorState(random, past, 0, q.copy(), np.zeros(q.size), np.ones(q.size))
+        self.measure(state, q, state.v)
+        return state
 
-    def see(self, memory: Memory, q: Vector, v: Vector) -> None:
+    def see(self, state: SensorState, q: Vector, v: Vector) -> None:
         """Keep the present positions and velocities, shape (n,) each, for later."""
-        memory.past[memory.at] = q, v
-        memory.at = (memory.at + 1) % len(memory.past)
+        state.past[state.at] = q, v
+        state.at = (state.at + 1) % len(state.past)
 
-    def measure(self, memory: Memory, q: Vector, v: Vector) -> None:
+    def measure(self, state: SensorState, q: Vector, v: Vector) -> None:
         """Write what is measured at the end of a tick, and draw the grip of the next one.
 
         Args:
-            memory: whose ``q``, ``v`` and ``grip`` are written.
+            state: whose ``q``, ``v`` and ``grip`` are written.
             q: true positions, shape (n,).
             v: true velocities, shape (n,).
         """
@@ -78,14 +78,14 @@ class Senses:
             self._config.velocity_noise,
             self._config.base_slip,
         )
-        memory.q[:], memory.v[:] = memory.past[memory.at] if self._age else (q, v)
+        state.q[:], state.v[:] = state.past[state.at] if self._age else (q, v)
         if step:
-            memory.q[self._arms] = step * np.round(memory.q[self._arms] / step)
+            state.q[self._arms] = step * np.round(state.q[self._arms] / step)
         if noise:
-            memory.v += noise * memory.random.standard_normal(memory.v.size)
+            state.v += noise * state.random.standard_normal(state.v.size)
         if slip:
-            lost = slip * memory.random.uniform(0.0, 2.0, self._bases.size)
-            memory.grip[self._bases] = 1.0 - lost
+            lost = slip * state.random.uniform(0.0, 2.0, self._bases.size)
+            state.grip[self._bases] = 1.0 - lost
 
 
 def _joints(team: Team, part: slice) -> Vector:

@@ -28,7 +28,7 @@ _CAPSULE = mujoco.mjtGeom.mjGEOM_CAPSULE
 _ROLLERS = 10  # of a mecanum wheel
 
 
-def add_looks(
+def add_visuals(
     spec: mujoco.MjSpec, robot: RobotModel, bodies: dict[int, mujoco.MjsBody], index: int
 ) -> None:
     """Add a robot's visible parts to its bodies; they weigh nothing and touch nothing."""

@@ -15,7 +15,7 @@ from lexstack.robots import RobotModel, Team
 from lexstack.types import Vector
 from lexstack_sim.contacts import add_contacts, add_self_contacts
 from lexstack_sim.obstacles import add_obstacles
-from lexstack_sim.visuals import add_looks, add_scene
+from lexstack_sim.visuals import add_scene, add_visuals
 
 PHYSICS_PERIOD = 0.001
 """Length of a physics step [s]: T(40) runs at 1 kHz."""
@@ -36,12 +36,12 @@ _AXES: dict[str, tuple[mujoco.mjtJoint, Vector]] = {
 }
 
 
-def build_world(team: Team, *, looks: bool = False) -> mujoco.MjModel:
+def build_world(team: Team, *, visuals: bool = False) -> mujoco.MjModel:
     """Return the world of a team and its obstacles; joints and controls are in chi's order.
 
     Args:
         team: the robots.
-        looks: add what only the eye needs (floor, lights, detailed meshes); the motion is the
+        visuals: add what only the eye needs (floor, lights, detailed meshes); the motion is the
             same with and without.
 
     Raises:
@@ -53,11 +53,11 @@ def build_world(team: Team, *, looks: bool = False) -> mujoco.MjModel:
         bodies = _add_bodies(spec, robot)
         contacts = add_contacts(spec, robot, bodies, i)
         add_self_contacts(spec, contacts)
-        if looks:
-            add_looks(spec, robot, bodies, i)
+        if visuals:
+            add_visuals(spec, robot, bodies, i)
         _add_actuators(spec, robot)
     add_obstacles(spec, team.obstacles)
-    if looks:
+    if visuals:
         add_scene(spec)
     model = spec.compile()
     _check_order(model, team)

@@ -2,9 +2,12 @@
 
 import ast
 import dataclasses
+import importlib
+import inspect
 import os
 import re
 import subprocess
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -42,6 +45,9 @@ RUN_FILES = {
 # What the set-up makes.
 MADE = {".venv/environment.sh", "build/site", "ros2_ws/install/setup.bash"}
 FILE = re.compile(r"[\w.*/-]+\.(?:cff|css|js|json|lock|mcap|md|msg|py|sh|srv|toml|txt|xml|ya?ml)")
+
+# `Class.attribute`, also behind the name of a package, and before arguments or further attributes.
+_ATTRIBUTE = re.compile(r"(?<![\w/])([A-Z][a-z]\w*)\.([A-Za-z_]\w*)")
 
 # Each pattern has a class of one letter, so that this file does not hold what it looks for.
 LEAKS = {
@@ -121,6 +127,50 @@ def modules():
     """Return the texts of all modules of the packages, without the tests."""
     files = [file for folder in source_folders()[:-2] for file in sorted(folder.rglob("*.py"))]
     return [text_of(file) for file in files]
+
+
+@cache
+def places_of_classes():
+    """Return name -> modules of every class of the packages and of every message type."""
+    found = {}
+    for package in source_folders()[:-2]:
+        for file in sorted(package.rglob("*.py")):
+            module = ".".join(file.relative_to(package.parent).with_suffix("").parts)
+            for node in ast.parse(text_of(file)).body:
+                if isinstance(node, ast.ClassDef):
+                    found.setdefault(node.name, []).append(module.removesuffix(".__init__"))
+    for kind in ("msg", "srv", "action"):
+        for file in (ROOT / "ros2_ws/src/lexstack_interfaces" / kind).glob(f"*.{kind}"):
+            found.setdefault(file.stem, []).append(f"lexstack_interfaces.{kind}")
+    return found
+
+
+def attributes_of(cls):
+    """Return the names of what a class and its instances have."""
+    names = set(dir(cls)) | set(getattr(cls, "__annotations__", {}))
+    for base in cls.__mro__:
+        if base.__module__.startswith("lexstack"):
+            with suppress(TypeError, OSError):  # no source: a message type
+                names |= set(re.findall(r"\bself\.(\w+)(?:: [^=\n]+)? = ", inspect.getsource(base)))
+    return names
+
+
+def named_attributes(text):
+    """Return the (class, attribute) pairs that a document names as `Class.attribute`."""
+    words = re.findall(r"`([^`\n]+)`", without_fences(text))
+    return sorted({pair for word in words for pair in _ATTRIBUTE.findall(word)})
+
+
+def missing_attributes(text):
+    """Return what a document names of classes that do not have it, or are not there."""
+    missing, own = [], "\n".join(fences(text, "python"))
+    for name, attribute in named_attributes(text):
+        if f"class {name}" in own and f"def {attribute}(" in own:
+            continue  # the page itself shows how to write it
+        modules = [importlib.import_module(module) for module in places_of_classes().get(name, ())]
+        if not any(attribute in attributes_of(getattr(module, name)) for module in modules):
+            missing.append(f"{name}.{attribute}")
+    return missing
 
 
 def anchors(text):
@@ -234,6 +284,11 @@ def test_every_name_in_the_notation_is_in_the_code():
     assert not {name for name in names if not re.search(rf"\b{re.escape(name)}\b", code)}
 
 
+@pytest.mark.parametrize("document", DOCUMENTS, ids=relative)
+def test_every_attribute_in_a_document_is_one_of_its_class(document):
+    assert not missing_attributes(text_of(document))
+
+
 def test_every_decision_is_in_the_list():
     folder = ROOT / "docs/decisions"
     listed = re.findall(r"\]\((\d{4}-[\w-]+\.md)\)", text_of(folder / "README.md"))
@@ -329,6 +384,21 @@ def test_a_wrong_path_is_seen(path):
 def test_a_right_path_is_found(path):
     assert path in named_paths(f"text `{path}` text")
     assert exists(path, README)
+
+
+@pytest.mark.parametrize(
+    "name", ["Solution.colour", "LatchState.chi", "Blend.forget", "Nobody.knows", "Chi.colour"]
+)
+def test_a_wrong_attribute_is_seen(name):
+    assert missing_attributes(f"text `{name}` text") == [name]
+
+
+@pytest.mark.parametrize(
+    "name", ["Solution.chi", "Transition.due", "Lockstep.solver", "GapMotion.rate", "Chi.reason"]
+)
+def test_a_right_attribute_is_found(name):
+    assert named_attributes(f"text `{name}(x)` text")
+    assert not missing_attributes(f"text `{name}` text")
 
 
 def test_a_wrong_link_is_seen():

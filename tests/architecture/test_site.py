@@ -51,7 +51,7 @@ def test_a_wrong_equation_is_refused(text):
 
 def test_a_wrong_diagram_is_refused():
     with pytest.raises(fences.FenceError, match="no diagram"):
-        fences.diagram("sequenceDiagram\n    A->>B: one; two\n")
+        fences.diagram("sequenceDiagram\n    A->>the solver: one; two\n")
 
 
 def test_every_figure_of_the_equations_can_be_drawn_and_has_its_place():

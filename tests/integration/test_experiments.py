@@ -81,7 +81,7 @@ def test_transition_methods(tmp_path, few_methods):
     assert list(rows) == ["no switch", "bridge", "t37", "instant_limited"]
     assert rows["bridge"]["acc. ratio"] < rows["instant_limited"]["acc. ratio"] <= 1.0 + 1e-9
     assert rows["bridge"]["excess"] < 1e-6
-    # Two levels a tick; those of A's own optimum too, while it takes over from the late B.
+    # Two levels a tick; those of the own optimum too, while it takes over from a late solver.
     assert 2.0 < rows["bridge"]["QPs"] < 3.0
     assert (tmp_path / "methods.png").stat().st_size < 150_000
 

@@ -110,10 +110,8 @@ def imported(file, seen):
 
 def own_tests():
     """Return the library's unit tests that need nothing else of ours but its configuration."""
-    unit = TESTS / "unit"
-    folders = ("core", "hqp", "htmpc")
-    files = [file for folder in folders for file in sorted((unit / folder).glob("test_*.py"))]
-    files += sorted(unit.glob("test_bounds*.py"))
+    folders = (TESTS / "unit/lexstack", TESTS / "unit/config")
+    files = [file for folder in folders for file in sorted(folder.rglob("test_*.py"))]
     return [file for file in files if imported(file, set()) <= OWN]
 
 

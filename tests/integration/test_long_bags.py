@@ -11,7 +11,7 @@ from lexstack_bag.storage.container import find_files
 from lexstack_experiments.synthetic import write_bag
 from support.scenario import resolved
 
-# What a tick leaves in memory: 4 vectors of the plant and the chi of A and B in full, their bounds
+# What a tick leaves in memory: 4 vectors of the plant and both chi in full, their bounds
 # in single precision, 0.3 kB of scalars, 0.5 kB of errors and ratios: 2.1 kB. Its messages have
 # 3.3 kB, and as objects more than 10 kB.
 PER_TICK = 3500.0  # bytes, with what the allocator keeps

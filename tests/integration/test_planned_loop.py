@@ -1,4 +1,4 @@
-"""Sequences in one process: A keeps its limits whatever becomes of the plans."""
+"""Sequences in one process: the controller keeps its limits whatever becomes of the plans."""
 
 import dataclasses
 from functools import cache
@@ -12,7 +12,7 @@ from lexstack_experiments.ideal import IdealPlant
 from support.planned_loop import PlannedLoop
 from support.scenario import CONFIG
 
-MINE = slice(0, 10)  # robot A's own joints; the other robot does something else
+MINE = slice(0, 10)  # the controller's own joints; the other robot does something else
 BLEND = 100  # ticks
 
 
@@ -42,7 +42,7 @@ def sources(made):
 
 
 def roughness(chi, tick):
-    """Return how much robot A's acceleration changes from tick to tick, over its limit, rms."""
+    """Return how much the acceleration changes from tick to tick, over its limit, rms."""
     limits = resolved(8.0).robots["panda_summit"]
     bounds = np.array([*limits.base.acceleration, *limits.arm.acceleration])
     acceleration = np.diff(chi[tick : tick + 50, MINE], axis=0) / (0.01 * bounds)
@@ -59,7 +59,7 @@ def test_a_follows_to_the_bit_once_the_blend_is_over():
         plan = plans[tick - tick % 5]
         wanted = plan.sample(0.01 * (tick + 1))[1]
         np.testing.assert_allclose(chi[tick][MINE], wanted, atol=1e-6)
-    assert roughness(chi, 100) < 0.15, "while A blends in"
+    assert roughness(chi, 100) < 0.15, "while the controller blends in"
 
 
 @pytest.mark.parametrize(("first", "last"), [(130, 260), (205, 206), (220, 420)])

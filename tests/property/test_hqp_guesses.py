@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lexstack.hqp import DaqpCascade, Hierarchy, NullSpaceCascade
-from lexstack.hqp.active_set import WorkingSet, solve_by_exchange
+from lexstack.hqp.active_set import WorkingSet, solve_by_active_set
 from lexstack.hqp.backends.daqp import DaqpBackend
 from support.problems import KINDS, problem
 
@@ -57,7 +57,7 @@ def test_a_wrong_guess_of_the_whole_is_refused_or_corrected(seed, n, kind, share
         sides = (rng.integers(-1, 2, m) * (rng.random(m) < share)).astype(np.int8)
         end = np.where(sides > 0, hierarchy.upper, hierarchy.lower)
         sides[hierarchy.equal | np.isinf(end)] = 0
-        chi = solve_by_exchange(hierarchy, lower, upper, WorkingSet(joints, sides), rounds)
+        chi = solve_by_active_set(hierarchy, lower, upper, WorkingSet(joints, sides), rounds)
         if chi is not None:
             np.testing.assert_allclose(chi, optimum.chi, atol=1e-8)
 

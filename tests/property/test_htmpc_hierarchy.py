@@ -135,10 +135,10 @@ def test_a_guard_lets_pass_what_it_was_made_from_and_no_worse(seed, delta, kind)
     objective = random_objectives(rng, random_start(rng), solver)[0]
     task = Task(objective, solver.config, 9)
     best = rng.normal(0.0, 0.1, (10, 3))
-    guard = LexicographicConstraint(0, task, best, kind, solver.horizon)
-    assert guard.excess(best)[0] <= 0.0
-    assert guard.excess(0.5 * best)[0] <= 0.0
+    constraint = LexicographicConstraint(0, task, best, kind, solver.horizon)
+    assert constraint.excess(best)[0] <= 0.0
+    assert constraint.excess(0.5 * best)[0] <= 0.0
     worse = best + np.sign(best) * (delta + 1e-3) * 6.0
-    excess, where = guard.excess(worse)
+    excess, where = constraint.excess(worse)
     assert excess > 0.0
     assert where.startswith("level 1 ee")

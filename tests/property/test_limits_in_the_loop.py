@@ -1,6 +1,6 @@
 """Stacks that change limits, in the closed loop: promises (i) and (ii), whatever is asked when.
 
-Random starts, stacks with random limits, trigger times, pre-emptions, cancels, and a robot B that
+Random starts, stacks with random limits, trigger times, pre-emptions, cancels, and a solver that
 falls silent.
 """
 

@@ -35,7 +35,7 @@ def sudden_limits():
 
 
 def in_effect(command):
-    """Return the name of each robot's stack at a tick, from what A told."""
+    """Return the name of each robot's stack at a tick, from what the controller told."""
     now = {}
     for state in command.transitions:
         names = state.to_stack if state.phase not in NOT_YET else command.stack

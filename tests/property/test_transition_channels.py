@@ -195,10 +195,10 @@ def test_only_the_transition_whose_answers_are_lost_is_solved_by_a():
     run.run(20)
     run.link = silent_for(2)
     run.step()
-    assert state_of(run, "robot_a").source is Source.ROBOT_B
+    assert state_of(run, "robot_a").source is Source.SOLVER
     lost = state_of(run, "robot_b")
     assert lost.source is Source.LOCAL
-    assert lost.reason.startswith("robot B lost at tick 20, last heard tick 19: ")
+    assert lost.reason.startswith("the solver lost at tick 20, last heard tick 19: ")
     assert state_of(run, "robot_a").reason == ""
     assert run.controller.transition.awaits(21), "robot a's transition needs its answer"
 

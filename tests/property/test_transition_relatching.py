@@ -7,7 +7,7 @@ import pytest
 
 from lexstack.transition import Source
 from support.scenario import team
-from support.trains import Train, random_train, run, still_blending, ways
+from support.trains import Train, path_lengths, random_train, run, still_blending
 
 LITTLE = 0.05  # m: below it a ratio of ways says nothing
 
@@ -25,13 +25,13 @@ def within_limits(result):
 def check(train, most=1.5):
     """Check what holds for any train of events, and return its run.
 
-    ``most``: way over that with a perfect B.
+    ``most``: way over that with a perfect solver.
     """
     result = run(train)
     assert not still_blending(result), "it ends within its duration and the stated time"
     assert within_limits(result)
-    perfect = ways(run(train, perfect=True))
-    went = ways(result)
+    perfect = path_lengths(run(train, perfect=True))
+    went = path_lengths(result)
     assert (went <= most * perfect + LITTLE).all(), (went, perfect)
     return result
 
@@ -43,7 +43,7 @@ def test_a_train_of_events_neither_holds_a_blend_open_nor_winds_it_up(seed):
 
 @pytest.mark.parametrize("seed", [1, 2, 204])
 def test_where_b_has_other_references_and_nobody_knows_the_motion_stays_bounded(seed):
-    """So it was: B applied targets at other ticks, and the bases ran to 20 m."""
+    """So it was: the solver applied targets at other ticks, and the bases ran to 20 m."""
     check(random_train(seed, 600, named=False), most=2.5)
 
 
@@ -53,7 +53,7 @@ def test_twenty_seconds_of_events_at_sixty_hertz(seed):
 
 
 def stream(mode, lag, *, lead=0.0, named=False, until=700):
-    """Return targets of both tools at 60 Hz, +-0.3 m at 1 Hz, that B has ``lag`` ticks later."""
+    """Return targets of both tools at 60 Hz, +-0.3 m at 1 Hz, ``lag`` ticks later at the solver."""
     ticks = np.arange(0.0, until, 100.0 / 60.0).astype(int)
     swing = 0.3 * np.sin(2.0 * np.pi * ticks / 100.0)
     targets = tuple(
@@ -69,7 +69,7 @@ def stream(mode, lag, *, lead=0.0, named=False, until=700):
 
 @pytest.mark.parametrize("mode", ["lockstep", "realtime"])
 def test_a_stream_that_b_has_a_tick_late_does_not_drive_the_bases_away(mode):
-    """Each tick B is lost and back: the velocity command grew by what each latch carried on."""
+    """Each tick the solver is lost and back: the velocity grew by what each latch carried on."""
     told = [command.transition for command in check(stream(mode, 1)).record.commands]
     changes = sum(a.reason != b.reason for a, b in itertools.pairwise(told))
     assert changes <= 10, "574 in the run that was reported"

@@ -56,14 +56,14 @@ def chi_of(run: Loop, robot: str) -> np.ndarray:
 
 
 def state_of(run: Loop, robot: str, tick: int = -1) -> TransitionState:
-    """Return what A told of one robot at a tick."""
+    """Return what the controller told of one robot at a tick."""
     states = run.record.commands[tick].transitions
     (state,) = (state for state in states if robot in state.robots)
     return state
 
 
 def silent_for(*ids: int) -> Any:
-    """Return a link on which B's answers for these transitions are lost."""
+    """Return a link on which the solver's answers for these transitions are lost."""
 
     def link(sample: SourceSample) -> SourceSample | None:
         return None if sample.transition_id in ids else sample

@@ -39,7 +39,7 @@ def state(message: PlantState) -> None:
 
 
 def answer(value: RobotState) -> None:
-    """Compute robot A's command for a state, whatever the state is."""
+    """Compute the controller's command for a state, whatever the state is."""
     command = controller().tick(value)
     assert np.isfinite(command.chi).all(), command.fallback
     assert (command.bounds.lower <= command.chi).all()

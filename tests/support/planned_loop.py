@@ -1,4 +1,4 @@
-"""The closed loop with sequences: the HTMPC plans, robot A follows, all in one process."""
+"""The closed loop with sequences: the HTMPC plans, the controller follows, all in one process."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.scenario import SequenceChangeConfig
 from lexstack_experiments.loop import AnyPlant, Loop
 
-_AHEAD = 2  # plans between the end of a sequence and the tick at which robot A goes back
+_AHEAD = 2  # plans between the end of a sequence and the tick at which the controller goes back
 _NS = 1e9
 
 PlanLink = Callable[[HeardPlan], HeardPlan | None]
-"""What robot A hears when the HTMPC sends a plan: the plan, another one, or nothing."""
+"""What the controller hears when the HTMPC sends a plan: the plan, another one, or nothing."""
 
 
 @dataclass
@@ -46,10 +46,10 @@ class _Job:
 
 
 class PlannedLoop(Loop):
-    """Robot A, robot B, the HTMPC and the plant in lockstep, as the processes run them.
+    """The controller, the solver, the HTMPC and the plant in lockstep, as the processes run them.
 
     Attributes:
-        plan_link: what robot A hears of the plans; experiments replace it.
+        plan_link: what the controller hears of the plans; experiments replace it.
     """
 
     def __init__(self, resolved: ResolvedScenario, plant: AnyPlant | None = None) -> None:
@@ -80,7 +80,7 @@ class PlannedLoop(Loop):
         return self._plan(replace(state, stamp=round(_NS * state.stamp) / _NS))
 
     def _execute(self, name: str, tick: int) -> None:
-        """Ask robot A to follow the plans of a sequence from a tick on."""
+        """Ask the controller to follow the plans of a sequence from a tick on."""
         config = self.resolved.scenario.sequences[name]
         robot = self.parts.team.index(config.robot)
         begin = tick - tick % self._every
@@ -110,7 +110,7 @@ class PlannedLoop(Loop):
         return [plan for plan in plans if plan is not None]
 
     def _plan_one(self, job: _Job, state: RobotState) -> HeardPlan | None:
-        """Return one plan as it arrives; at the sequence's end ask robot A to go back."""
+        """Return one plan as it arrives; at the sequence's end ask the controller to go back."""
         runner = self._runners[job.robot]
         if state.tick == job.begin:
             runner.begin(job.tasks, ARCHITECTURES[job.architecture], state)
@@ -127,7 +127,7 @@ class PlannedLoop(Loop):
         return heard
 
     def _ask(self, stack: str, robot: int, tick: int) -> None:
-        """Ask robot A for a stack of one robot; raises InputError where it refuses."""
+        """Ask the controller for a stack of one robot; raises InputError where it refuses."""
         name, duration = self.parts.team.names[robot], self.resolved.scenario.transition.duration
         answer = self.controller.transition.ask(stack, duration, "", tick, [name])
         if not answer.accepted:

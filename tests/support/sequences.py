@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lexstack.mpc import SequenceTask
-from lexstack_bag.run.run import Planning, PlanStream, ProgressStream, SequenceEvent
+from lexstack_bag.run.run import PlanStream, PlanTopics, ProgressStream, SequenceEvent
 
 EVERY = 5
 TO = SequenceTask("to", "base_position", ((1.0, 0.5),))
@@ -34,8 +34,8 @@ def progress(spans, architecture="ht", first=20):
     )
 
 
-def planning(spans, architecture="ht", first=20, events=None):
+def plan_topics(spans, architecture="ht", first=20, events=None):
     """Return what the HTMPC did for a robot; by default the sequence began at the first tick."""
     empty = PlanStream(*(np.zeros(0) for _ in PlanStream.__dataclass_fields__))
     begun = SequenceEvent(1, first, architecture, "begin", "", (TO, GIVE))
-    return Planning(empty, progress(spans, architecture, first), tuple(events or (begun,)))
+    return PlanTopics(empty, progress(spans, architecture, first), tuple(events or (begun,)))

@@ -5,16 +5,16 @@ from __future__ import annotations
 from lexstack_experiments.experiments import relatching_trains
 from lexstack_experiments.experiments.relatching_trains import (
     Train,
+    path_lengths,
     random_train,
     still_blending,
-    ways,
 )
 from lexstack_experiments.loop import Loop
 from support.channels import parts, with_single_stacks
 
-__all__ = ["Train", "random_train", "run", "still_blending", "ways"]
+__all__ = ["Train", "path_lengths", "random_train", "run", "still_blending"]
 
 
 def run(train: Train, *, perfect: bool = False) -> Loop:
-    """Return the closed loop after a train; ``perfect``: with a B that is there and in time."""
+    """Return the closed loop after a train; ``perfect``: with a solver that is in time."""
     return relatching_trains.run(train, with_single_stacks(), parts(), perfect=perfect)

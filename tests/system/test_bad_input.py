@@ -29,13 +29,13 @@ def visit(run):
 
 
 def goes_on(stranger):
-    """Return whether the plant runs under robot A."""
+    """Return whether the plant runs under the controller."""
     states = stranger.heard["/plant/state"]
     return states and states[-1].commander and states[-1].status != PlantState.PAUSED
 
 
 def play_disturbed(folder):
-    """Play a short run; returns robot A's commands, what the nodes printed, and the stranger."""
+    """Play a short run; returns the commands, what the nodes printed, and the stranger."""
     folder.mkdir()
     with apart(short_scenario(duration=0.01 * TICKS), folder) as run:
         stranger = visit(run)
@@ -64,7 +64,7 @@ def play_alone(folder):
 
 
 def commands_in(bag):
-    """Return robot A's own commands; what a stranger sent stands in the bag too, as it came."""
+    """Return the controller's own commands; what a stranger sent is in the bag too."""
     found = []
     with AnyReader([bag]) as reader:
         connections = [c for c in reader.connections if c.topic == "/robot_a/chi"]

@@ -71,7 +71,7 @@ def test_two_demos_at_the_same_time_do_not_meet(tmp_path):
         bag = read(tmp_path / name / "bag", "/plant/state", "/robot_a/chi")
         assert [m.tick for m in bag["/robot_a/chi"]] == list(range(200))
         senders.append({m.sender for m in bag["/plant/state"] + bag["/robot_a/chi"]})
-    assert all(len(names_) == 2 for names_ in senders), "one plant and one robot A each"
+    assert all(len(names_) == 2 for names_ in senders), "one plant and one controller each"
     assert not senders[0] & senders[1]
 
 

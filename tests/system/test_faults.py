@@ -24,7 +24,7 @@ from support.scenario import CONFIG, ROOT
 
 pytestmark = [pytest.mark.system, pytest.mark.alone, pytest.mark.timeout(TIMEOUT)]
 
-# Robot B's death is in test_run.py, the HTMPC's in test_htmpc.py, a cut network in test_hosts.py.
+# The solver's end is in test_run.py, the HTMPC's in test_htmpc.py, a cut network in test_hosts.py.
 CHOSEN = (
     "kill sim_bridge idle",
     "kill recorder blending",
@@ -58,7 +58,7 @@ def short_of_service(outcome):
         name
         for name, kept in (
             (f"missing: {outcome.missing}", outcome.missing == ""),
-            ("robot B does not serve a switch", outcome.rejoined),
+            ("the solver does not serve a switch", outcome.rejoined),
             (f"recovered: {recovered}", recovered is not None and recovered < 20.0),
         )
         if not kept
@@ -128,7 +128,7 @@ def test_a_wrong_outcome_is_seen(found):
         ({"beyond": 1e-3}, "beyond its box: 0.001"),
         ({"reordered": 1}, "reordered: 1"),
         ({"missing": "transition"}, "missing: transition"),
-        ({"rejoined": False}, "robot B does not serve"),
+        ({"rejoined": False}, "the solver does not serve"),
         ({"recovered": None}, "recovered: None"),
         ({"recovered": 20.0}, "recovered: 20.0"),
     ):
@@ -162,7 +162,7 @@ def test_the_results_fall_short_where_an_outcome_does(found):
 
 @pytest.mark.realtime
 def test_a_robot_b_that_starts_anew_knows_the_targets_of_before(tmp_path):
-    """At rest on a target that was sent before its start, robot B has nothing to move."""
+    """At rest on a target that was sent before its start, the solver has nothing to move."""
     scenario = load_scenario(CONFIG / "scenarios" / "faults.yaml")
     with running(scenario, tmp_path) as rig:
         moved = rig.publisher(PoseStamped, "/robot_a/ee_target", listeners=2)
@@ -176,7 +176,7 @@ def test_a_robot_b_that_starts_anew_knows_the_targets_of_before(tmp_path):
         rig.run.send("stack_solver", signal.SIGKILL)
         rig.run.start("stack_solver")
         rig.switch("track", 1.0)
-        rig.until(lambda: rig.follows("robot_b"), "to follow robot B")
+        rig.until(lambda: rig.follows("robot_b"), "to follow the solver")
         rig.until(lambda: rig.is_on("track"), "the end of the transition")
         rig.run.end()
     record = read_record([tmp_path / "bag"])

@@ -128,7 +128,9 @@ def test_three_hosts_run_the_scenario(deploy, discovery):
     assert acceleration_ratio(bag, LIMIT, 0.01) <= 1.0001
     statuses = read(bag, "/robot_a/transition")["/robot_a/transition"]
     assert statuses[-1].to_stack == "reach_base"
-    assert {m.source for m in statuses if m.phase == 3} == {"robot_b"}, "B's host took part"
+    assert {m.source for m in statuses if m.phase == 3} == {"robot_b"}, (
+        "the solver's host took part"
+    )
     assert not any(m.reason for m in statuses)
     assert ", 0 lost" in run.log("simulation", "recorder")
 
@@ -188,11 +190,11 @@ def test_a_host_that_is_cut_off_for_5_s_does_no_harm_and_comes_back(deploy, host
     assert sum(m.empty_bounds for m in read_["/robot_a/chi"]) == 0
     lost = [s for s in moving if s.status == PlantState.BRAKING]
     if host == "robot_b":
-        reasons = {m.reason for m in statuses if "robot B" in m.reason}
+        reasons = {m.reason for m in statuses if "the solver" in m.reason}
         assert any("lost" in reason for reason in reasons), reasons
-        assert len(lost) < 20, "robot A goes on alone"
+        assert len(lost) < 20, "the controller goes on alone"
     else:
-        assert 300 < len(lost) < 700, "the plant brakes as long as robot A is away"
+        assert 300 < len(lost) < 700, "the plant brakes as long as the controller is away"
     assert statuses[-1].to_stack == "posture"
     assert statuses[-1].phase == 0
     last = max(m.id for m in statuses)

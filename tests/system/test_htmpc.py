@@ -1,4 +1,4 @@
-"""The HTMPC in the running system: A follows its plan, survives its loss, and goes back."""
+"""The HTMPC in the running system: its plan is followed, lost, and left again."""
 
 import dataclasses
 import os
@@ -119,16 +119,16 @@ def test_the_run_through_processes_is_the_one_in_one_process(delivery):
 
 def test_metrics_and_report_tell_of_the_sequences(delivery):
     run = read_run(delivery[0], plans=False)
-    assert [len(planning.plans.tick) for planning in run.planning.values()] == [0, 0]
-    phases, measures = find_phases(run), measure(run)
-    metrics = compute_metrics(run, measures, phases)
+    assert [len(plan_topics.plans.tick) for plan_topics in run.plan_topics.values()] == [0, 0]
+    phases, time_series = find_phases(run), measure(run)
+    metrics = compute_metrics(run, time_series, phases)
     assert [(one.robot, one.done, one.count) for one in metrics.sequences] == [
         ("robot_a", 2, 2),
         ("robot_b", 2, 2),
     ]
     assert all(1.0 < one.completion_s < 6.0 for one in metrics.sequences)
     assert all(one.failed_plans == 0 for one in metrics.sequences)
-    figures = sequences.figures(run, measures, phases, metrics)
+    figures = sequences.figures(run, time_series, phases, metrics)
     assert len(figures) == 4
     assert all(figure.traces for figure in figures)
 
@@ -172,7 +172,7 @@ def drive(name, x, **values):
 
 
 class KillAndAskAgain:
-    """Kills the HTMPC while A follows it, starts it anew, and sends one goal after another.
+    """Kills the HTMPC while it is followed, starts it anew, and sends one goal after another.
 
     The first one is pre-empted by the second, that is cancelled, the third is held until released.
     """
@@ -264,7 +264,7 @@ def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequences_are_taken(tmp_p
     assert np.abs(at_rest).max() < 1e-3
     assert largest_acceleration(tmp_path) <= 1.0 + 1e-6
     after = [m.source for m in states if m.id > lost.id and m.to_stack == "plan_robot_a"]
-    assert "htmpc" in after, "A follows again"
+    assert "htmpc" in after, "the controller follows again"
     results = [watch.results[number] for number in range(3)]
     assert [result.message for result in results[:2]] == [
         "pre-empted by another sequence",

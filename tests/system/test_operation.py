@@ -152,7 +152,7 @@ def test_diagnostics_tell_rates_times_misses_and_ages(user):
     # A state comes every 10 ms, a report every second; both are behind the state by a transport.
     assert 0.0 < float(robot_a["age of the last /plant/state [ms]"]) < 1000.0
     assert 0.0 < float(robot_a["least delay of /plant/state [ms]"]) < 1000.0
-    assert robot_a["ticks without robot B in time"] == "0", "nobody has asked for robot B"
+    assert robot_a["ticks without the solver in time"] == "0", "nobody has asked for the solver"
     assert robot_a["refused messages"] == "0"
     assert int(bridge["late ticks"]) <= int(robot_a["tick"])
     assert int(bridge["missing ticks"]) <= int(robot_a["tick"])

@@ -37,7 +37,7 @@ def stream(mode, **values):
 
 
 def test_a_stream_without_stamps_loses_no_b_and_the_blend_takes_its_time(tmp_path):
-    """Each χ of B was solved with the references that A had at its tick."""
+    """Each χ of the solver was solved with the references that the controller had at its tick."""
     with together(stream("lockstep"), tmp_path) as run:
         run.play()
         assert run.end() == []
@@ -79,7 +79,7 @@ def test_a_target_in_mid_blend_is_no_kick(tmp_path, mode, running):
 
 
 class Sender(User):
-    """Publishes targets, and keeps what robot A decides and complains of."""
+    """Publishes targets, and keeps what the controller decides and complains of."""
 
     def __init__(self, run):
         super().__init__(run)
@@ -152,7 +152,7 @@ def test_the_lead_in_is_a_parameter(user):
 
 @pytest.mark.realtime
 def test_a_controller_that_starts_again_goes_on_with_the_last_references(tmp_path):
-    """Robot B keeps them; the new controller's first decision is the old one's last."""
+    """The solver keeps them; the new controller's first decision is the old one's last."""
     scenario = short_scenario(mode="realtime", events=(), duration=600.0, base_target={})
     with apart(scenario, tmp_path) as run:
         user = Sender(run)

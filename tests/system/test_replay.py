@@ -213,8 +213,10 @@ def test_a_bag_alone_is_analysed_and_replayed(recorded, tmp_path, monkeypatch, r
         assert done.returncode == 0, done.stderr
     assert "robot_b: identical" in done.stdout
     assert (alone / "metrics.json").is_file()
-    facts = read_run(alone / "found.mcap").facts
-    assert {"commit", "lexstack", "numpy", "daqp", "pin", "mujoco", "mode", "seed"} <= set(facts)
+    provenance = read_run(alone / "found.mcap").provenance
+    assert {"commit", "lexstack", "numpy", "daqp", "pin", "mujoco", "mode", "seed"} <= set(
+        provenance
+    )
 
 
 def test_other_tools_read_every_message_without_a_workspace(recorded, monkeypatch):

@@ -1,4 +1,4 @@
-"""Robot A's topics and services, as a user calls them, without our player's events."""
+"""The controller's topics and services, as a user calls them, without our player's events."""
 
 import numpy as np
 import pytest
@@ -116,7 +116,7 @@ def test_a_target_moves_the_tool(user):
 
 
 def test_wrong_messages_do_not_move_a_robot(user, capfd):
-    """NaN, a wrong length, wrong robots and foreign ticks, on every topic that A and B hear."""
+    """NaN, a wrong length, wrong robots and foreign ticks, on every topic that both hear."""
     calm = np.array(user.commands[-1].chi)
     seen = len(user.commands)
     send_wrong_messages(user)

@@ -118,7 +118,7 @@ def test_realtime_completes_and_counts_late_ticks(tmp_path):
 
 
 def blending(run, alpha):
-    """Return whether robot A is on its way to the new stack."""
+    """Return whether the controller is on its way to the new stack."""
     status = run.player.transition
     return (
         status is not None and status.phase == TransitionStatus.BLENDING and status.alpha >= alpha
@@ -144,7 +144,7 @@ def test_kill_9_of_robot_b_while_it_blends(tmp_path, mode):
     assert sum(m.empty_bounds for m in commands) == 0
     assert commands[-1].tick == 399, "the motion goes on"
     statuses = read(bag, "/robot_a/transition")["/robot_a/transition"]
-    assert "robot B lost at tick" in statuses[-1].reason
+    assert "the solver lost at tick" in statuses[-1].reason
     assert "local" in {m.source for m in statuses}
     assert statuses[-1].to_stack == "reach_base"
     assert statuses[-1].phase == TransitionStatus.IDLE

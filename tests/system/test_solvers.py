@@ -1,4 +1,4 @@
-"""Several solvers: each solves its robots' part of the stack, and robot A follows all of them."""
+"""Several solvers: each solves its robots' part of the stack, and all are followed."""
 
 from dataclasses import replace
 

@@ -17,7 +17,7 @@ def test_the_whole_system_is_measured(tmp_path, monkeypatch):
     content = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
     rows = content["tables"][0]["rows"]
     assert [row["phase"] for row in rows] == list(system._WHOM.values())
-    nodes = ("CPU % of a core: bridge", "robot A", "robot B", "HTMPC", "recorder")
+    nodes = ("CPU % of a core: bridge", "controller", "solver", "HTMPC", "recorder")
     for row in rows:
         assert row["ticks/s"] > 10.0
         assert row["in its best second"] >= 0.8 * row["ticks/s"]
@@ -27,7 +27,7 @@ def test_the_whole_system_is_measured(tmp_path, monkeypatch):
         assert min(shares) > 0.0
         assert sum(shares) < 210.0, "of two cores"
     alone, followed, planned = rows
-    assert followed["robot B"] > alone["robot B"], "it solves"
+    assert followed["solver"] > alone["solver"], "it solves"
     assert planned["HTMPC"] > alone["HTMPC"], "it plans"
 
 

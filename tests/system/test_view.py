@@ -142,7 +142,7 @@ def test_a_new_target_moves_the_reference(visitor):
 
 def test_a_push_moves_the_robot(visitor):
     def bent():
-        """How far the arm of robot A is from where the commands have it [rad]."""
+        """How far the arm of the controller is from where the commands have it [rad]."""
         state = visitor.states[-1]
         return np.abs(np.subtract(state.q, state.q_star))[3:10].max()
 

@@ -13,7 +13,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from lexstack.tasks import LevelConfig, StackConfig, TaskConfig
 from lexstack.transition import TransitionConfig
-from lexstack_bag.run.provenance import run_facts
+from lexstack_bag.run.provenance import run_provenance
 from lexstack_bag.storage.definitions import message_definition
 from lexstack_bag.storage.metadata import Qos, Topic
 from lexstack_bag.storage.presets import Storage
@@ -255,7 +255,7 @@ def write_bag(
     facts: dict[str, str] | None = None,
 ) -> Synthetic:
     writer = BagWriter(
-        folder, run_facts(resolved) if facts is None else facts, storage or Storage()
+        folder, run_provenance(resolved) if facts is None else facts, storage or Storage()
     )
     maker = kind(writer, resolved)
     maker.targets()
@@ -295,9 +295,9 @@ def killed(tmp_path_factory: pytest.TempPathFactory, resolved: ResolvedScenario)
 
 @pytest.fixture(scope="session")
 def plant_alone(tmp_path_factory: pytest.TempPathFactory, resolved: ResolvedScenario) -> Synthetic:
-    """A bag with the plant's states and nothing else: robot A died at once."""
+    """A bag with the plant's states and nothing else: the controller died at once."""
     folder = tmp_path_factory.mktemp("alone") / "bag"
-    with BagWriter(folder, run_facts(resolved)) as writer:
+    with BagWriter(folder, run_provenance(resolved)) as writer:
         maker = Maker(writer, resolved)
         for tick in range(20):
             maker.plant(tick)

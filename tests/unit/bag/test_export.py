@@ -27,7 +27,7 @@ def run(synthetic):
 
 
 @pytest.fixture(scope="module")
-def measures(run):
+def time_series(run):
     return measure(run)
 
 
@@ -37,8 +37,8 @@ def read_csv(path):
     return {name: [row[i] for row in rows] for i, name in enumerate(head)}
 
 
-def test_every_column_has_a_unit_or_needs_none(run, measures):
-    found = tables(run, measures)
+def test_every_column_has_a_unit_or_needs_none(run, time_series):
+    found = tables(run, time_series)
     assert set(found) == NAMES
     for columns in found.values():
         assert len({len(column) for column in columns.values()}) == 1
@@ -48,8 +48,8 @@ def test_every_column_has_a_unit_or_needs_none(run, measures):
             ), name
 
 
-def test_csv_gives_the_same_bits(run, measures, tmp_path):
-    paths = write_csv(tmp_path, run, measures, lambda _part: None)
+def test_csv_gives_the_same_bits(run, time_series, tmp_path):
+    paths = write_csv(tmp_path, run, time_series, lambda _part: None)
     assert {path.name for path in paths} == {f"{name}.csv" for name in NAMES}
     plant = read_csv(tmp_path / "plant.csv")
     assert [int(tick) for tick in plant["tick"]] == run.plant.tick.tolist()
@@ -62,10 +62,10 @@ def test_csv_gives_the_same_bits(run, measures, tmp_path):
     assert read_csv(tmp_path / "targets.csv")["kind"] == ["ee", "base", "ee"]
 
 
-def test_parquet_gives_the_same_bits(run, measures, tmp_path):
-    write_parquet(tmp_path, run, measures, lambda _part: None)
+def test_parquet_gives_the_same_bits(run, time_series, tmp_path):
+    write_parquet(tmp_path, run, time_series, lambda _part: None)
     assert {path.stem for path in tmp_path.iterdir()} == NAMES
-    for name, columns in tables(run, measures).items():
+    for name, columns in tables(run, time_series).items():
         table = parquet.read_table(tmp_path / f"{name}.parquet")
         assert table.column_names == list(columns)
         for key, column in columns.items():
@@ -91,7 +91,7 @@ def test_two_bags_are_compared(synthetic, tmp_path, capsys):
     assert capsys.readouterr().err.splitlines()[-1].endswith("nowhere: no such file or folder")
 
 
-def test_without_pyarrow_it_says_so(run, measures, tmp_path, monkeypatch):
+def test_without_pyarrow_it_says_so(run, time_series, tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "pyarrow.parquet", None)
     with pytest.raises(analyze.BagError, match="pyarrow is not installed"):
-        write_parquet(tmp_path, run, measures, lambda _part: None)
+        write_parquet(tmp_path, run, time_series, lambda _part: None)

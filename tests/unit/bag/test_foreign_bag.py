@@ -11,7 +11,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from lexstack_bag.commands.analyze import analyze, main
 from lexstack_bag.commands.replay import replay
 from lexstack_bag.replay.changes import Changes
-from lexstack_bag.run.reader import read_facts, read_run
+from lexstack_bag.run.reader import read_provenance, read_run
 from lexstack_bag.storage.container import Container, find_files
 from lexstack_bag.storage.definitions import message_definition
 from lexstack_bag.topics import SCENARIO
@@ -42,7 +42,7 @@ def copied(synthetic, folder, scenario):
 
 
 def store_data(writer, time, text):
-    """Write the scenario as robot A publishes it."""
+    """Write the scenario as the controller publishes it."""
     data = text.encode() + b"\0"
     cdr = b"\0\1\0\0" + len(data).to_bytes(4, "little") + data
     connection = writer.add_connection(
@@ -77,7 +77,7 @@ def test_a_bag_of_another_recorder_is_replayed(foreign, synthetic):
 
 
 def test_a_record_of_our_own_comes_before_the_message(synthetic):
-    facts, resolved = read_facts(Container(find_files(synthetic.folder)))
+    facts, resolved = read_provenance(Container(find_files(synthetic.folder)))
     assert facts["mode"] == "lockstep"
     assert resolved == synthetic.resolved
 

@@ -16,7 +16,7 @@ from lexstack_bag.figures.phases import find_phases
 from lexstack_bag.figures.series import measure
 from lexstack_bag.report.build import write_report
 from lexstack_bag.report.page import document
-from lexstack_bag.run.provenance import run_facts
+from lexstack_bag.run.provenance import run_provenance
 from lexstack_bag.run.reader import read_run
 from support.browser import Browser
 from support.hostile import ALL, IMAGE, assert_harmless, shown
@@ -96,7 +96,9 @@ def hostile_kind(maker):
 def bag(write, maker, resolved, tmp_path_factory):
     """The bag; what stands in its metadata and the file's name are hostile as well."""
     folder = tmp_path_factory.mktemp("hostile") / "bag"
-    facts = {key: value + ALL for key, value in run_facts(resolved).items() if key != "scenario"}
+    facts = {
+        key: value + ALL for key, value in run_provenance(resolved).items() if key != "scenario"
+    }
     told = replace(resolved, scenario=replace(resolved.scenario, description=ALL + "description"))
     facts["scenario"] = told.to_yaml()
     made = write(folder, kind=hostile_kind(maker), facts=facts)
@@ -160,9 +162,9 @@ def test_names_of_robots_and_of_the_scenario_are_escaped_too(synthetic, tmp_path
     robots = {f"{name}{ALL}": place for name, place in scenario.robots.items()}
     scenario = replace(scenario, name=f"name{ALL}", robots=robots)
     run = replace(run, resolved=replace(run.resolved, scenario=scenario), targets=())
-    measures, phases = measure(run), find_phases(run)
+    time_series, phases = measure(run), find_phases(run)
     path = tmp_path / "report.html"
-    write_report(path, run, measures, phases, compute_metrics(run, measures, phases))
+    write_report(path, run, time_series, phases, compute_metrics(run, time_series, phases))
     with looked_at(path) as page:
         assert_harmless(page)
         for name in (*robots, f"name{ALL}"):

@@ -1,4 +1,4 @@
-"""Phases from what robot A says of its transitions, also where they do not go as planned."""
+"""Phases from what the controller says of its transitions, also where they do not go as planned."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def run(synthetic) -> Run:
 
 
 def told(run: Run, *entries: tuple[float, int, str, TransitionPhase, float]) -> tuple[Phase, ...]:
-    """Return the phases where A said (stamp, id, to_stack, phase, alpha)."""
+    """Return the phases where the controller said (stamp, id, to_stack, phase, alpha)."""
     stamp, id_, to_stack, phase, alpha = map(np.array, zip(*entries, strict=True))
     nothing = np.zeros(len(entries))
     text = np.array([""] * len(entries))

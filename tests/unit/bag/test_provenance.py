@@ -4,12 +4,12 @@ import re
 from pathlib import Path
 
 import lexstack
-from lexstack_bag.run.provenance import run_facts
+from lexstack_bag.run.provenance import run_provenance
 from support.scenario import ROOT, resolved
 
 
 def test_every_package_that_a_bag_names_is_found():
-    facts = run_facts(resolved())
+    facts = run_provenance(resolved())
     assert [name for name, value in facts.items() if value == "not installed"] == []
     assert facts["lexstack"] == lexstack.__version__
 

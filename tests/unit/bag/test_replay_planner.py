@@ -14,8 +14,8 @@ from lexstack_bag.errors import BagError
 from lexstack_bag.replay.changes import Changes, Question
 from lexstack_bag.replay.planner import heard_plans, replay_planner
 from lexstack_bag.run.run import (
-    Planning,
     PlanStream,
+    PlanTopics,
     PlantStream,
     ProgressStream,
     Run,
@@ -94,7 +94,7 @@ def recorded():
         {},
         0,
         True,
-        planning={"robot_b": Planning(stream, empty(ProgressStream), tuple(events))},
+        plan_topics={"robot_b": PlanTopics(stream, empty(ProgressStream), tuple(events))},
     )
 
 
@@ -124,21 +124,21 @@ def test_all_changes_of_a_sequence_are_replayed_bit_by_bit():
 
 def test_one_flipped_bit_is_found_at_its_tick():
     run = recorded()
-    planning = run.planning["robot_b"]
-    velocity = planning.plans.velocity.copy()
+    plan_topics = run.plan_topics["robot_b"]
+    velocity = plan_topics.plans.velocity.copy()
     velocity[7, 33] = np.nextafter(velocity[7, 33], np.inf)
-    plans = replace(planning.plans, velocity=velocity)
-    tampered = replace(run, planning={"robot_b": replace(planning, plans=plans)})
+    plans = replace(plan_topics.plans, velocity=velocity)
+    tampered = replace(run, plan_topics={"robot_b": replace(plan_topics, plans=plans)})
     assert replayed(tampered).first == 10 + 7 * EVERY
 
 
 def without(event):
     """Return the run without the events of a kind, and the tick of that event."""
     run = recorded()
-    planning = run.planning["robot_b"]
-    events = tuple(entry for entry in planning.events if entry.event != event)
-    tick = next(entry.tick for entry in planning.events if entry.event == event)
-    return replace(run, planning={"robot_b": replace(planning, events=events)}), tick
+    plan_topics = run.plan_topics["robot_b"]
+    events = tuple(entry for entry in plan_topics.events if entry.event != event)
+    tick = next(entry.tick for entry in plan_topics.events if entry.event == event)
+    return replace(run, plan_topics={"robot_b": replace(plan_topics, events=events)}), tick
 
 
 @pytest.mark.parametrize("missing", ["retarget", "cancel", "release", "replace"])
@@ -161,7 +161,7 @@ def test_another_parameter_gives_other_plans():
 
 def test_robot_a_hears_the_plans_as_they_were_sent():
     run = recorded()
-    plans = run.planning["robot_b"].plans
+    plans = run.plan_topics["robot_b"].plans
     heard = list(heard_plans(run, run.team()).until(2**62))
     assert [plan.tick for plan in heard] == plans.tick.tolist()
     assert {plan.robot for plan in heard} == {1}

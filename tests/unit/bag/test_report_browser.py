@@ -60,8 +60,8 @@ def report(minute, tmp_path_factory):
     patch = pytest.MonkeyPatch()
     patch.setitem(sys.modules, "lexstack_sim.render", None)
     path = tmp_path_factory.mktemp("minute") / "report.html"
-    measures, phases = measure(minute), find_phases(minute)
-    write_report(path, minute, measures, phases, compute_metrics(minute, measures, phases))
+    time_series, phases = measure(minute), find_phases(minute)
+    write_report(path, minute, time_series, phases, compute_metrics(minute, time_series, phases))
     patch.undo()
     return path
 

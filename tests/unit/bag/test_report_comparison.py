@@ -44,7 +44,7 @@ def later(run):
 
 def page_of(first, second, path):
     sides = side(first), side(second)
-    metrics = [compute_metrics(s.run, s.measures, s.phases) for s in sides]
+    metrics = [compute_metrics(s.run, s.time_series, s.phases) for s in sides]
     write_comparison(path, sides, compare_metrics(*metrics, ("one", "<other>")))
     return path
 

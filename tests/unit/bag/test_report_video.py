@@ -32,7 +32,7 @@ def pictures(path):
 
 
 def second(run):
-    """The second of the run in whose middle robot B steps aside."""
+    """The second of the run in whose middle the solver steps aside."""
     plant = run.plant
     rows = {f.name: getattr(plant, f.name)[150:250] for f in dataclasses.fields(plant)}
     return dataclasses.replace(run, plant=dataclasses.replace(plant, **rows))

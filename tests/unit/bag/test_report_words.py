@@ -29,7 +29,7 @@ from lexstack_experiments.runs import analysed
 from lexstack_sim.visuals import TINTS
 from support.browser import Browser
 from support.channels import loop
-from support.sequences import planning
+from support.sequences import plan_topics
 
 
 def figures(path):
@@ -78,8 +78,8 @@ def test_a_sequence_that_was_cancelled_on_request_is_no_missed_goal(synthetic):
         SequenceEvent(1, 20, "ht", "begin", "", ()),
         SequenceEvent(2, 70, "ht", "cancel", "", ()),
     ]
-    under_way = planning([("to", 10), ("give", 12)], events=events)
-    run = replace(read_run(synthetic.folder), planning={"robot_a": under_way})
+    under_way = plan_topics([("to", 10), ("give", 12)], events=events)
+    run = replace(read_run(synthetic.folder), plan_topics={"robot_a": under_way})
     run = replace(
         run,
         resolved=replace(run.resolved, scenario=replace(run.resolved.scenario, name="deliver")),
@@ -183,8 +183,8 @@ def report(synthetic, tmp_path_factory):
     patch.setitem(sys.modules, "lexstack_sim.render", None)
     path = tmp_path_factory.mktemp("words") / "report.html"
     run = read_run(synthetic.folder)
-    measures, phases = measure(run), find_phases(run)
-    write_report(path, run, measures, phases, compute_metrics(run, measures, phases))
+    time_series, phases = measure(run), find_phases(run)
+    write_report(path, run, time_series, phases, compute_metrics(run, time_series, phases))
     side = Analysis.of(run)
     both = compare_metrics(side.metrics, side.metrics)
     write_comparison(path.with_name("two.html"), (side, side), both)

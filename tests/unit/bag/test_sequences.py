@@ -18,21 +18,21 @@ from lexstack_bag.report import sequences as page
 from lexstack_bag.run.reader import read_run
 from lexstack_bag.run.run import SequenceEvent
 from lexstack_bag.run.sequences import executions, ratio_of, sequences_of
-from support.sequences import TO, planning
+from support.sequences import TO, plan_topics
 
 
 @pytest.fixture(scope="module")
 def run(synthetic):
     plain = read_run(synthetic.folder)
-    ht = planning([("to", 10), ("give", 12), ("", 1)])
-    st = planning([("to", 24), ("give", 31), ("", 1)], "st", 40)
-    return replace(plain, planning={"robot_a": ht, "robot_b": st})
+    ht = plan_topics([("to", 10), ("give", 12), ("", 1)])
+    st = plan_topics([("to", 24), ("give", 31), ("", 1)], "st", 40)
+    return replace(plain, plan_topics={"robot_a": ht, "robot_b": st})
 
 
 def metrics_of(run):
     phases = find_phases(run)
-    measures = measure(run)
-    return compute_metrics(run, measures, phases), measures, phases
+    time_series = measure(run)
+    return compute_metrics(run, time_series, phases), time_series, phases
 
 
 def test_times_and_errors_of_every_task(run):
@@ -50,7 +50,9 @@ def test_times_and_errors_of_every_task(run):
 
 
 def test_a_sequence_that_was_not_completed_has_no_time_and_no_ratio(run):
-    cut = replace(run, planning=run.planning | {"robot_b": planning([("to", 24)], "st", 40)})
+    cut = replace(
+        run, plan_topics=run.plan_topics | {"robot_b": plan_topics([("to", 24)], "st", 40)}
+    )
     metrics, _, _ = metrics_of(cut)
     other = metrics.sequences[1]
     assert (other.completion_s, other.done) == (None, 0)
@@ -63,7 +65,7 @@ def test_a_sequence_in_place_of_another_is_one_of_its_own():
         SequenceEvent(i, tick, "ht", event, "", (TO,))
         for i, (tick, event) in enumerate([(20, "begin"), (45, "release"), (60, "replace")])
     ]
-    rows = list(executions(planning([("to", 12)], events=begun)))
+    rows = list(executions(plan_topics([("to", 12)], events=begun)))
     assert [part.tolist() for part in rows] == [list(range(8)), list(range(8, 12))]
 
 
@@ -85,17 +87,17 @@ def renamed(resolved):
 
 
 def test_the_page_has_the_tables_and_figures_of_the_sequences(run):
-    metrics, measures, phases = metrics_of(run)
+    metrics, time_series, phases = metrics_of(run)
     html = page.section(metrics)
     assert "ST-Arch took <b>2.50</b> times as long as HT-Arch" in html
     assert html.count("<td>give</td>") == 2
-    figures = {f.name: f for f in page.figures(run, measures, phases, metrics)}
+    figures = {f.name: f for f in page.figures(run, time_series, phases, metrics)}
     assert list(figures) == ["tasks", "sequence-paths", "level-errors", "plan-times"]
     bars = {trace["name"]: trace for trace in figures["tasks"].traces}
     assert bars["give"]["y"] == ["robot_a, HT-Arch", "robot_b, ST-Arch"]
     assert bars["give"]["base"] == pytest.approx([0.7, 1.6])
     assert len(figures["level-errors"].traces) == 6
-    assert page.figures(run, measures, phases, replace(metrics, sequences=())) == []
+    assert page.figures(run, time_series, phases, replace(metrics, sequences=())) == []
     assert page.section(replace(metrics, sequences=())) == ""
 
 

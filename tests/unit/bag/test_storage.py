@@ -131,7 +131,7 @@ def test_what_a_kill_leaves_is_recovered_by_mcap_and_read_by_us(
     assert len(files) == 1 or split
     run = read_run(made.folder)
     assert not run.complete
-    assert run.facts["seed"] == "7"
+    assert run.provenance["seed"] == "7"
     held = len(run.plant.tick)
     assert np.array_equal(run.plant.q, whole.plant.q[:held])
     assert held > (300 if preset == "zstd_small" else 350)
@@ -198,8 +198,8 @@ def test_every_file_says_by_itself_what_it_is(write, tmp_path):
             reader = make_reader(stream, validate_crcs=True)
             first, *_, last = reader.iter_messages()
             assert last[2].log_time - first[2].log_time <= 0.05e9
-            facts = {m.name: m.metadata for m in reader.iter_metadata()}["lexstack"]
-        assert facts["scenario"] == made.resolved.to_yaml()
+            provenance = {m.name: m.metadata for m in reader.iter_metadata()}["lexstack"]
+        assert provenance["scenario"] == made.resolved.to_yaml()
         alone = read_run(file)
         assert 0 < len(alone.plant.tick) < 400
 

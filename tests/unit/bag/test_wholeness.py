@@ -206,7 +206,7 @@ def test_a_phase_that_never_settles_is_told_apart_from_one_without_errors(synthe
 
 @pytest.fixture(scope="module")
 def reset(write, maker, tmp_path_factory):
-    """A run of FIRST ticks, then a reset, then the whole run; B's answers lag behind the reset."""
+    """A run of FIRST ticks, then a reset, then the whole run; its answers lag behind the reset."""
 
     class Reset(maker):
         resets = 0
@@ -222,7 +222,7 @@ def reset(write, maker, tmp_path_factory):
             super().tick(tick)
 
         def solutions(self, tick):
-            if tick == 0 and self.resets:  # robot A did not know of the reset yet
+            if tick == 0 and self.resets:  # the controller did not know of the reset yet
                 self.solution("robot_a", FIRST, solve_time=1.0)
             super().solutions(tick)
 

@@ -5,13 +5,13 @@ import pytest
 
 from lexstack.types import PlantStatus
 from lexstack_experiments.experiments.fault_checks import (
-    first_told,
+    first_statement,
     out_of_order,
     outcome,
     peak_acceleration,
     split,
 )
-from lexstack_experiments.experiments.fault_records import Record, Solved, State, Told
+from lexstack_experiments.experiments.fault_records import Record, Solved, State, Statement
 from support.scenario import team
 
 FOLLOWING, _, BRAKING, PAUSED = PlantStatus
@@ -49,8 +49,8 @@ EVENT = {
     "answers": 0,
     "rejoined": True,
 }
-LOST = Told(int(2.1 * S), "local", "robot B lost at tick 210")
-SILENT = Told(5 * S, "hqp_controller", "stack_solver is silent for 3 s")
+LOST = Statement(int(2.1 * S), "local", "the solver lost at tick 210")
+SILENT = Statement(5 * S, "hqp_controller", "stack_solver is silent for 3 s")
 
 
 def judged(given, **changes):
@@ -72,7 +72,7 @@ def test_reasons_that_are_missing_are_named():
     given = record()
     given.diagnostics = [SILENT]
     assert judged(given).missing == "transition"
-    given.transitions = [Told(1 * S, "", LOST.text), Told(3 * S, "", LOST.text)]
+    given.transitions = [Statement(1 * S, "", LOST.text), Statement(3 * S, "", LOST.text)]
     assert judged(given).missing == "transition", "it stood there before"
 
 
@@ -113,10 +113,14 @@ def test_a_plant_that_brakes_is_a_sign_and_its_time_is_counted():
 
 
 def test_only_what_matches_in_its_time_counts():
-    told = [Told(1, "a", "robot B lost"), Told(5, "a", "robot B is back"), Told(7, "a", "robot C")]
-    assert first_told(told, (4, 9), "robot B").at == 5
-    assert first_told(told, (6, 9), "robot B") is None
-    assert first_told(told, (6, 9), "") is None
+    told = [
+        Statement(1, "a", "the solver lost"),
+        Statement(5, "a", "the solver is back"),
+        Statement(7, "a", "robot C"),
+    ]
+    assert first_statement(told, (4, 9), "the solver").at == 5
+    assert first_statement(told, (6, 9), "the solver") is None
+    assert first_statement(told, (6, 9), "") is None
 
 
 def test_the_name_of_a_case_is_taken_apart():

@@ -4,7 +4,7 @@ from lexstack_experiments.commands.command import run_command
 from lexstack_experiments.experiment import Options
 from lexstack_experiments.experiments import EXPERIMENTS
 from support.scenario import CONFIG
-from support.trains import random_train, run, ways
+from support.trains import path_lengths, random_train, run
 
 
 def test_a_train_is_named_by_its_seed_and_run_with_and_without_a_perfect_b(tmp_path):
@@ -14,8 +14,8 @@ def test_a_train_is_named_by_its_seed_and_run_with_and_without_a_perfect_b(tmp_p
     row = dict(zip(table.columns, table.rows[0], strict=True))
     train = random_train(2, 400)
     assert (row["seed"], row["mode"], row["targets"]) == (2, "lockstep", len(train.targets))
-    assert row["way m"] in ways(run(train)).tolist()
-    assert row["way with B m"] in ways(run(train, perfect=True)).tolist()
+    assert row["way m"] in path_lengths(run(train)).tolist()
+    assert row["way with solver m"] in path_lengths(run(train, perfect=True)).tolist()
     assert 0.0 <= row["over after s"] <= row["promised s"]
 
 

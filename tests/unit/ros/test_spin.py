@@ -24,5 +24,5 @@ def test_wrong_arguments_are_a_configuration_error(arguments, what):
 
 
 def test_in_lockstep_nothing_yields_to_the_ticks():
-    """They would run away from an HTMPC that robot A does not wait for."""
+    """They would run away from an HTMPC that the controller does not wait for."""
     assert beside("lockstep") == 0 < beside("realtime")

@@ -80,9 +80,9 @@ JSON = st.recursive(
     ),
 )
 def test_whatever_comes_is_an_order_or_an_input_error(do, content):
-    refusal = ""
+    rejection = ""
     try:
         order = read(content | {"do": do})
     except InputError as error:
-        order, refusal = None, str(error)
-    assert isinstance(order, Switch | Cancel | NewTarget | Push) != (0 < len(refusal) < 300)
+        order, rejection = None, str(error)
+    assert isinstance(order, Switch | Cancel | NewTarget | Push) != (0 < len(rejection) < 300)

@@ -84,7 +84,7 @@ def test_the_jacobian_is_dense_and_a_divergence_does_not_reset(world):
 
 
 def test_looks_change_no_mass_and_no_contact(world):
-    seen = build_world(team(), looks=True)
+    seen = build_world(team(), visuals=True)
     assert seen.ngeom > world.ngeom
     np.testing.assert_array_equal(seen.body_mass, world.body_mass)
     np.testing.assert_array_equal(seen.body_inertia, world.body_inertia)

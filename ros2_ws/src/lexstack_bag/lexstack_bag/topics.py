@@ -12,7 +12,7 @@ TRANSITION = "/robot_a/transition"
 REQUEST = "/robot_a/stack_request"
 DECISIONS = "/robot_a/references"
 SCENARIO = "/robot_a/scenario"
-"""Where robot A publishes the resolved scenario, for recorders that are not lexstack's own."""
+"""Where the controller publishes the resolved scenario, for recorders of others."""
 PLAN, PROGRESS, SEQUENCE = "/htmpc/plan", "/htmpc/status", "/htmpc/sequence"
 
 NEEDED = (PLANT_STATE, COMMAND, TRANSITION)

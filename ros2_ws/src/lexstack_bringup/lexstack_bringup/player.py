@@ -133,7 +133,7 @@ class Player(Node):
         self._targets[topic].publish(pose_message(pose, at, quaternion))
 
     def _send_switch(self, event: EventConfig) -> None:
-        """Ask robot A to switch its stack at the event's time."""
+        """Ask the controller to switch its stack at the event's time."""
         request = SwitchStack.Request(
             stack=event.switch,
             duration=event.duration,

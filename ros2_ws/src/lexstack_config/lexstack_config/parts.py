@@ -118,7 +118,7 @@ def build_stack_solver(
     solver: SolverFactory | None = None,
     damper: Damper | None = None,
 ) -> StackSolver:
-    """Return robot B's solver; ``solver`` and ``damper`` are others than the scenario's."""
+    """Return the solver's solver; ``solver`` and ``damper`` are others than the scenario's."""
     chosen = solver or resolved.scenario.solver
     return make_stack_solver(parts.team, parts.stacks, chosen, damper)
 
@@ -130,7 +130,7 @@ def build_controller(
     box: BoundsProvider | None = None,
     damper: Damper | None = None,
 ) -> Controller:
-    """Return robot A's controller.
+    """Return the controller's controller.
 
     Args:
         resolved: the scenario.

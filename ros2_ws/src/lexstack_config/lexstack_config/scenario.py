@@ -143,7 +143,7 @@ class ScenarioConfig:
     htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)
     sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
     streams: tuple[StreamConfig, ...] = ()  # of targets
-    solvers: int = 1  # processes that solve for robot A, each for some of the robots
+    solvers: int = 1  # processes that solve for the controller, each for some of the robots
     solver: str = "daqp"  # a key of lexstack.hqp.SOLVERS
     mode: Mode = "lockstep"  # wait for every tick's answers, or follow the clock
     seed: int = 0  # of everything random

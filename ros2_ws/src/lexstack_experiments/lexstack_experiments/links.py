@@ -1,4 +1,4 @@
-"""What may become of robot B's messages on their way to robot A: late, lost, or frozen."""
+"""What may become of the solver's messages to the controller: late, lost, or frozen."""
 
 from __future__ import annotations
 

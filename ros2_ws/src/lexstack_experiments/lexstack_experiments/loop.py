@@ -25,10 +25,12 @@ class Record:
 
     states: list[RobotState] = field(default_factory=list)
     commands: list[Command] = field(default_factory=list)
-    references: list[References] = field(default_factory=list)  # as robot B has them
+    references: list[References] = field(default_factory=list)  # as the solver has them
     targets: list[Target] = field(default_factory=list)  # all that were ever added
-    sources: dict[int, np.ndarray] = field(default_factory=dict)  # robot B's chi by tick, of all
-    b_times: dict[int, float] = field(default_factory=dict)  # s of wall time of B's solve, by tick
+    sources: dict[int, np.ndarray] = field(default_factory=dict)  # the solver's chi by tick, of all
+    b_times: dict[int, float] = field(
+        default_factory=dict
+    )  # s of wall time of the solver's solve, by tick
 
 
 class Loop(Lockstep):
@@ -114,7 +116,7 @@ def targets_of(event: EventConfig, team: Team) -> list[Target]:
 
 
 def ask_switch(controller: Controller, event: EventConfig, rate: float) -> None:
-    """Ask robot A for an event's switch, if it has one; ``rate`` in ticks per second."""
+    """Ask the controller for an event's switch, if it has one; ``rate`` in ticks per second."""
     if event.switch:
         tick = round(event.at * rate)
         controller.transition.ask(event.switch, event.duration, "", tick, event.robots)

@@ -1,4 +1,4 @@
-"""Parts of robot A that count and time what they do, for experiments and benches."""
+"""Parts of the controller that count and time what they do, for experiments and benches."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class WatchedSolver:
 def counting_controller(
     resolved: ResolvedScenario, parts: Parts | None = None
 ) -> tuple[Controller, Tally]:
-    """Return robot A as ``build_controller`` does, and the tally of all its solvers.
+    """Return the controller as ``build_controller`` does, and the tally of all its solvers.
 
     Args:
         resolved: the scenario.

@@ -33,7 +33,7 @@ def recorded(loop: Loop) -> Run:
     record, team = loop.record, loop.parts.team
     return Run(
         path=Path(),
-        facts={},
+        provenance={},
         resolved=loop.resolved,
         plant=_plant(loop),
         chi={"robot_a": _chi(record.commands)},
@@ -53,7 +53,7 @@ def _plant(loop: Loop) -> PlantStream:
 
 
 def _chi(commands: list[Command]) -> ChiStream:
-    """Return robot A's commands."""
+    """Return the controller's commands."""
     return _stream(
         ChiStream,
         commands,

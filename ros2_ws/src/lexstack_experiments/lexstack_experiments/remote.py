@@ -1,4 +1,4 @@
-"""Robot B in an operating-system process of its own, asked through a pipe; without ROS."""
+"""The solver in an operating-system process of its own, asked through a pipe; without ROS."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PATIENCE = 60.0  # s of wall time to wait for an answer, the start of the proce
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """What one answer of robot B cost it [s].
+    """What one answer of the solver cost it [s].
 
     Attributes:
         wall: time of the solve, kinematics included.
@@ -32,7 +32,7 @@ class Effort:
 
 
 class RemoteB:
-    """Robot B in its own process; a context manager that ends it.
+    """The solver in its own process; a context manager that ends it.
 
     Attributes:
         efforts: of each answer, in their order.
@@ -44,7 +44,7 @@ class RemoteB:
         Args:
             resolved: the scenario.
             behind: do not wait for the answer of the present tick, take that of the tick before:
-                A and B then work at the same time, as they do in realtime.
+                The controller and the solver then work at the same time, as they do in realtime.
         """
         context = multiprocessing.get_context("spawn")
         self._pipe, other = context.Pipe()
@@ -72,7 +72,7 @@ class RemoteB:
     def ask(
         self, wanted: Announcement, state: RobotState, _references: References
     ) -> SourceSample | None:
-        """Return B's answer for this state, or if so configured that for the state before."""
+        """Return the solver's answer for this state, or if so configured for the state before."""
         before = self._answer() if self._waiting else None
         self._pipe.send((wanted, state))
         self._waiting = True
@@ -90,13 +90,13 @@ class RemoteB:
     def _receive(self) -> tuple[SourceSample, Effort]:
         """Return the next message; raises TimeoutError where none comes."""
         if not self._pipe.poll(_PATIENCE):
-            raise TimeoutError(f"robot B did not answer within {_PATIENCE:g} s")
+            raise TimeoutError(f"the solver did not answer within {_PATIENCE:g} s")
         return self._pipe.recv()
 
 
 def _serve(pipe: Connection, text: str) -> None:
-    """Answer until None comes; run in robot B's process."""
-    resolved = ResolvedScenario.from_yaml(text, "robot B")
+    """Answer until None comes; run in the solver's process."""
+    resolved = ResolvedScenario.from_yaml(text, "the solver")
     parts = Parts.of(resolved)
     solver, references = build_stack_solver(resolved, parts), build_references(resolved, parts.team)
     for event in resolved.scenario.events:

@@ -1,4 +1,4 @@
-"""What robot A met in a closed loop, to be met again by another robot A, tick by tick."""
+"""What the controller met in a closed loop, to be met again by another controller, tick by tick."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from lexstack_experiments.measuring import no_collection
 
 @dataclass(frozen=True, slots=True)
 class Tape:
-    """A closed loop as robot A saw it: states, B's messages, and what A answered."""
+    """A closed loop as the controller saw it: states, messages, and what it answered."""
 
     resolved: ResolvedScenario
     states: tuple[RobotState, ...]
@@ -47,7 +47,7 @@ class Tape:
 
     @property
     def blending(self) -> list[bool]:
-        """Whether A followed a source, tick by tick."""
+        """Whether the controller followed a source, tick by tick."""
         return [c.transition.source is not Source.NONE for c in self.commands]
 
     def play(

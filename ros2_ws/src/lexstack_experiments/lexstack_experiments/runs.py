@@ -50,7 +50,7 @@ def never_switched(case: Case) -> Case:
     return replace(case, resolved=changed(case.resolved, events=events))
 
 
-def run_telling(loop: Loop, what: str, say: Callable[[str], None]) -> Loop:
+def run_reporting(loop: Loop, what: str, say: Callable[[str], None]) -> Loop:
     """Run a loop to the end of its scenario and say so."""
     loop.run()
     say(f"{what}: {len(loop.record.states)} ticks")

@@ -1,7 +1,8 @@
 """A bag of any length, made without a run: two robots at 100 Hz, every topic of a demo.
 
-Messages are made once and then changed where they differ: stamps, ticks, numbers. Robot B is never
-idle, so the bag is as full as one can be. The motion is a sum of sines; it obeys no controller.
+Messages are made once and then changed where they differ: stamps, ticks, numbers. The solver is
+never idle, so the bag is as full as one can be. The motion is a sum of sines; it obeys no
+controller.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from lexstack.transition import Phase
 from lexstack.types import Vector
-from lexstack_bag.run.provenance import run_facts
+from lexstack_bag.run.provenance import run_provenance
 from lexstack_bag.storage.container import Progress
 from lexstack_bag.storage.definitions import message_definition
 from lexstack_bag.storage.metadata import Qos, Topic
@@ -40,7 +41,7 @@ def write_bag(
     """Write a bag of so many simulated minutes; return its messages by topic."""
     maker = _Maker(resolved)
     ticks = round(minutes * 60.0 * resolved.scenario.rate)
-    with BagWriter(folder, run_facts(resolved)) as writer:
+    with BagWriter(folder, run_provenance(resolved)) as writer:
         for topic in maker.topics():
             writer.add_topic(topic)
         numbers = dict.fromkeys((topic.name for topic in maker.topics()), 0)
@@ -127,7 +128,7 @@ class _Maker:
                 yield topic, pattern.at(time, tick)
 
     def _status(self, tick: int, switch: int, since: int, stack: str) -> bytes:
-        """Return how far robot A is on its way."""
+        """Return how far the controller is on its way."""
         blending = bool(switch) and since <= _BLEND
         phase = (Phase.ADOPTING if since == _BLEND else Phase.BLENDING) if blending else Phase.IDLE
         data = _serialized(

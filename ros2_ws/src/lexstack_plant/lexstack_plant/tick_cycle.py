@@ -13,7 +13,7 @@ from lexstack_sim.plant_state import Status
 _PAUSED_PERIOD = 0.1  # s of wall time between two publications of a paused plant
 
 
-class Cycle:
+class TickCycle:
     """Runs a plant tick by tick, until ``last_tick``; lockstep and realtime differ in the pacer.
 
     While it is paused, and after the end, the same state goes out ten times a second with the

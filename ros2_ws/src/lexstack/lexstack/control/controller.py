@@ -1,4 +1,4 @@
-"""What robot A does at every tick: it serves its stack, or goes smoothly to another."""
+"""What the controller does at every tick: it serves its stack, or goes smoothly to another."""
 
 from __future__ import annotations
 
@@ -34,17 +34,18 @@ _TOUCH = 1e-9  # m/s, rad/s: nearer than this chi is at its bound
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """What A sends at one tick.
+    """What the controller sends at one tick.
 
     Attributes:
         tick: the tick whose state it answers.
         stamp: that state's time [s].
-        stack: names of the stacks in effect; during a blend of the one that A goes to.
+        stack: names of the stacks in effect; during a blend of the one that the controller goes to.
         chi: the command, shape (n,), inside ``bounds``.
         bounds: the box at this tick.
-        slacks: norm of the residual of each level that A solved.
-        fallback: empty, or why it is not the configured solver's: another one's, or A brakes; and
-            which auxiliary problem of a transition failed, so that a robot held its command.
+        slacks: norm of the residual of each level that the controller solved.
+        fallback: empty, or why it is not the configured solver's: another one's, or the controller
+            brakes; and which auxiliary problem of a transition failed, so that a robot held its
+            command.
         transitions: where the transition of each channel stands, in the order of their robots.
         solve_time: wall time of the whole tick [s].
         revision: of the references, see ``References``.
@@ -79,7 +80,7 @@ class Command:
 
 
 class Controller:
-    """Robot A: one call of ``tick`` per state, one command back, always inside the bounds."""
+    """The controller: one ``tick`` per state, one command back, always inside the bounds."""
 
     def __init__(
         self,
@@ -141,7 +142,7 @@ class Controller:
         self._problem = plans.problem
         self._sent = chi
         stack = self.transition.stack
-        told = self.transition.finish(plans, chi)
+        states = self.transition.finish(plans, chi)
         return Command(
             state.tick,
             state.stamp,
@@ -150,7 +151,7 @@ class Controller:
             bounds,
             solution.slacks,
             fallback,
-            tuple([with_singularity(state, solution.near) for state in told]),
+            tuple([with_singularity(state, solution.near) for state in states]),
             perf_counter() - begun,
             references.revision,
             solution.near,

@@ -21,7 +21,7 @@ def make_stack_solver(
     solver: SolverFactory | str = DEFAULT_SOLVER,
     damper: Damper | None = None,
 ) -> StackSolver:
-    """Return what solves any of the stacks for the present state: robot B's part.
+    """Return what solves any of the stacks for the present state: the solver's part.
 
     Args:
         team: the robots.

@@ -1,4 +1,4 @@
-"""What robot B does: it solves the new stack for the present state, T(35), T(38), T(39)."""
+"""What the solver does: it solves the new stack for the present state, T(35), T(38), T(39)."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class StackSolver:
         self._solver = solver
         self._dt = dt
         self._damper = damper or Damper(team, dt)
-        self._parts: dict[tuple[int, ...], RobotGroup] = {}
+        self._groups: dict[tuple[int, ...], RobotGroup] = {}
         self._warm: dict[tuple[str, tuple[int, ...] | None], Solution] = {}
 
     def bounds(self, stack: str | Stack, kinematics: Kinematics) -> Bounds:
@@ -81,13 +81,13 @@ class StackSolver:
         """
         known = self._known(stack)
         levels, bounds = known.linearise(kinematics, references), self.bounds(known, kinematics)
-        part = self._part(known)
+        group = self._group(known)
         key = (known.name, known.robots)
         last = self._warm.pop(key, None)
         limits = known.limits or self._team.limits
         given = HqpProblem(levels, bounds)
         damped = self._damper.damped(given, kinematics, limits)
-        solution = self._solved(damped, part, last)
+        solution = self._solved(damped, group, last)
         if solution.solved:
             self._warm[key] = solution
         return solution
@@ -110,16 +110,16 @@ class StackSolver:
             revision=references.revision,
         )
 
-    def _solved(self, damped: Damped, part: RobotGroup | None, last: Solution | None) -> Solution:
+    def _solved(self, damped: Damped, group: RobotGroup | None, last: Solution | None) -> Solution:
         """Return the solution over all joints; those that a stack does not move are at rest."""
         problem, warm = damped.problem, damped.warm(last)
-        if part is None:
+        if group is None:
             return damped.own(self._solver.solve(problem, warm))
         if warm is not None:
-            mine = part.columns
+            mine = group.columns
             warm = replace(warm, chi=warm.chi[mine], active=warm.active[mine])
-        solution = self._solver.solve(_alone(problem.levels, problem.bounds, part), warm)
-        return damped.own(_among_all(solution, part, self._team.n))
+        solution = self._solver.solve(_alone(problem.levels, problem.bounds, group), warm)
+        return damped.own(_among_all(solution, group, self._team.n))
 
     def at_rest(self, stack: Stack) -> Stack:
         """Return level 1 of a stack with minimum velocity below it."""
@@ -134,21 +134,21 @@ class StackSolver:
         """Return a stack, by its name or as it is."""
         return self._stacks[stack] if isinstance(stack, str) else stack
 
-    def _part(self, stack: Stack) -> RobotGroup | None:
+    def _group(self, stack: Stack) -> RobotGroup | None:
         """Return the robots that a stack moves, None for all of them."""
         robots = stack.robots
         if robots is None or len(robots) == len(self._team.robots):
             return None
-        if robots not in self._parts:
-            self._parts[robots] = RobotGroup.of(self._team, robots)
-        return self._parts[robots]
+        if robots not in self._groups:
+            self._groups[robots] = RobotGroup.of(self._team, robots)
+        return self._groups[robots]
 
 
 def _alone(
-    levels: tuple[tuple[LinearTask, ...], ...], bounds: Bounds, part: RobotGroup
+    levels: tuple[tuple[LinearTask, ...], ...], bounds: Bounds, group: RobotGroup
 ) -> HqpProblem:
     """Return a problem without the joints that it does not move."""
-    mine = part.columns
+    mine = group.columns
     kept = tuple(
         tuple(LinearTask(task.name, task.matrix[:, mine], task.lower, task.upper) for task in level)
         for level in levels
@@ -156,8 +156,8 @@ def _alone(
     return HqpProblem(kept, Bounds(bounds.lower[mine], bounds.upper[mine]))
 
 
-def _among_all(solution: Solution, part: RobotGroup, n: int) -> Solution:
+def _among_all(solution: Solution, group: RobotGroup, n: int) -> Solution:
     """Return the solution of such a problem with the other joints at rest."""
     chi, active = np.zeros(n), np.zeros(n, dtype=np.int8)
-    chi[part.columns], active[part.columns] = solution.chi, solution.active
+    chi[group.columns], active[group.columns] = solution.chi, solution.active
     return replace(solution, chi=chi, active=active)

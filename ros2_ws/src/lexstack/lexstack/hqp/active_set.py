@@ -4,7 +4,7 @@ If the guess is right this is the exact optimum: one chain of least-squares prob
 null space of those above, with the joints of the working set held at their bounds. Whether it is
 right is decided by the optimality conditions of the hierarchy (Escande, Mansard and Wieber 2014):
 chi is inside the box, and the multiplier of everything held is lexicographically positive, that
-is, the highest level that feels it presses against it. A wrong guess is corrected by exchange:
+is, the highest level that feels it presses against it. A wrong working set is corrected:
 what is violated is held, what is pulled away from its bound is released.
 """
 
@@ -33,14 +33,14 @@ class WorkingSet:
 
     @classmethod
     def split(cls, hierarchy: Hierarchy, sides: Signs) -> WorkingSet:
-        """Return the guess of one vector: first the joints, then all inequality rows."""
+        """Return the working set of one vector: first the joints, then all inequality rows."""
         n = hierarchy.matrix.shape[1]
         rows: Signs = np.zeros(hierarchy.lower.size, dtype=np.int8)
         rows[~hierarchy.equal] = sides[n:]
         return cls(sides[:n].copy(), rows)
 
     def copy(self) -> WorkingSet:
-        """Return a guess of its own."""
+        """Return a working set of its own."""
         return WorkingSet(self.joints.copy(), self.rows.copy())
 
     def keep_first_change(self, before: WorkingSet) -> None:
@@ -52,17 +52,17 @@ class WorkingSet:
             own[changed] = old[changed]
 
 
-def solve_by_exchange(
+def solve_by_active_set(
     hierarchy: Hierarchy,
     lower: Vector,
     upper: Vector,
-    guess: WorkingSet,
+    working_set: WorkingSet,
     rounds: int,
     *,
     changes: int | None = None,
     bands: Bands | None = None,
 ) -> Vector | None:
-    """Return the exact optimum chi, shape (n,), or None if no guess in ``rounds`` was right.
+    """Return the exact optimum chi, shape (n,), or None if no set in ``rounds`` was right.
 
     Freedom that no level uses is spent on the smallest ``||chi||``. A level that asks for all of
     chi is no step of the chain: every step is the shortest possible, so the chain ends at the
@@ -72,22 +72,22 @@ def solve_by_exchange(
         hierarchy: all levels.
         lower: bounds of chi, shape (n,).
         upper: shape (n,).
-        guess: what probably holds; it is left as the last one tried.
-        rounds: the number of guesses to try.
-        changes: give up where a guess was wrong in more places; None: never.
+        working_set: what probably holds; it is left as the last one tried.
+        rounds: the number of working sets to try.
+        changes: give up where a working set was wrong in more places; None: never.
         bands: how the levels were divided, if they were.
     """
-    fixed = hold_fixed(guess, lower, upper)
+    fixed = hold_fixed(working_set, lower, upper)
     for left in range(rounds - 1, -1, -1):
-        chi, steps = point_of(hierarchy, lower, upper, guess, bands)
+        chi, steps = point_of(hierarchy, lower, upper, working_set, bands)
         if not math.isfinite(chi.dot(chi)):
             return None
-        held = hold(hierarchy, chi, (lower, upper), guess, FEASIBILITY)
+        held = hold(hierarchy, chi, (lower, upper), working_set, FEASIBILITY)
         if held and left == 0:
             return None
         wrong = held
         if steps is not None:
-            wrong += release(hierarchy, steps, chi, guess, fixed, bands)
+            wrong += release(hierarchy, steps, chi, working_set, fixed, bands)
         if not wrong:
             return chi
         if changes is not None and wrong > changes:
@@ -95,32 +95,32 @@ def solve_by_exchange(
     return None
 
 
-def hold_fixed(guess: WorkingSet, lower: Vector, upper: Vector) -> Mask | None:
+def hold_fixed(working_set: WorkingSet, lower: Vector, upper: Vector) -> Mask | None:
     """Hold the joints that cannot move; return which these are, shape (n,), or None for none."""
     fixed = upper - lower <= FEASIBILITY
     if not np.count_nonzero(fixed):
         return None
-    guess.joints[fixed] = 1
+    working_set.joints[fixed] = 1
     return fixed
 
 
 def point_of(
-    hierarchy: Hierarchy, lower: Vector, upper: Vector, guess: WorkingSet, bands: Bands | None
+    hierarchy: Hierarchy, lower: Vector, upper: Vector, working_set: WorkingSet, bands: Bands | None
 ) -> tuple[Vector, list[Step] | None]:
     """Return the optimum with what is held as equations, and the chain to it.
 
     The optimum is not finite where there is none. The chain is None where nothing is held.
     """
     chi, basis = hierarchy.nearest.copy(), None
-    if np.count_nonzero(guess.joints):
-        chi = _on_bounds(guess.joints, lower, upper, chi)
-        basis = _unit(chi.size).compress(guess.joints == 0, axis=1)
-    pressing = basis is not None or bool(np.count_nonzero(guess.rows))
+    if np.count_nonzero(working_set.joints):
+        chi = _on_bounds(working_set.joints, lower, upper, chi)
+        basis = _unit(chi.size).compress(working_set.joints == 0, axis=1)
+    pressing = basis is not None or bool(np.count_nonzero(working_set.rows))
     if bands is None or not bands.several:
-        steps = lay_chain(hierarchy, guess.rows, basis, chi, pressing)
+        steps = lay_chain(hierarchy, working_set.rows, basis, chi, pressing)
     else:
         begin = chi.copy()
-        steps = lay_chain(hierarchy, guess.rows, basis, chi, pressing=True)
+        steps = lay_chain(hierarchy, working_set.rows, basis, chi, pressing=True)
         if not settle(steps, bands, begin, chi):
             chi[:] = np.nan
     return chi, steps if pressing else None
@@ -148,20 +148,20 @@ def hold(
     hierarchy: Hierarchy,
     chi: Vector,
     box: tuple[Vector, Vector],
-    guess: WorkingSet,
+    working_set: WorkingSet,
     inside: float,
 ) -> int:
     """Hold what chi violates by more than ``inside``; return how much that is."""
     square = chi.dot(chi)
-    held = _hold_violated(chi, *box, guess.joints, inside, square)
+    held = _hold_violated(chi, *box, working_set.joints, inside, square)
     if not hierarchy.exact:
-        held += _hold_rows(hierarchy, chi, guess.rows, inside, square)
+        held += _hold_rows(hierarchy, chi, working_set.rows, inside, square)
     return held
 
 
 def _hold_rows(hierarchy: Hierarchy, chi: Vector, rows: Signs, inside: float, square: float) -> int:
     """Hold the inequality rows that chi violates; return how many there were."""
-    end = hierarchy.deciding[-1].part.stop if hierarchy.deciding else 0
+    end = hierarchy.deciding[-1].rows.stop if hierarchy.deciding else 0
     if end == 0:
         return 0
     lower, upper = hierarchy.lower[:end], hierarchy.upper[:end]
@@ -191,7 +191,7 @@ def release(
     hierarchy: Hierarchy,
     steps: list[Step],
     chi: Vector,
-    guess: WorkingSet,
+    working_set: WorkingSet,
     fixed: Mask | None,
     bands: Bands | None,
 ) -> int:
@@ -209,8 +209,8 @@ def release(
     Args:
         hierarchy: all levels.
         steps: of the chain, the highest first.
-        chi: the optimum for this guess, shape (n,).
-        guess: what is held; changed in place.
+        chi: the optimum for this working set, shape (n,).
+        working_set: what is held; changed in place.
         fixed: joints that cannot move, shape (n,); None: there are none.
         bands: how the levels were divided, if they were.
     """
@@ -219,7 +219,7 @@ def release(
     # component in the directions that the last step leaves.
     gradient = np.empty((count + 1, chi.size))
     gradient[count] = chi - hierarchy.nearest
-    forces = None if hierarchy.exact else np.zeros((count + 1, guess.rows.size))
+    forces = None if hierarchy.exact else np.zeros((count + 1, working_set.rows.size))
     sweep = []
     # With Z_j the directions that step j leaves, and Z_(-1) those of the free joints, the invariant
     # before step j is balanced is Z_j' g_k = 0 for every row k below it: there, the gradient of a
@@ -246,11 +246,13 @@ def release(
     # Now Z_(-1)' g_k = 0 for all k: free joints are in balance, and what remains is on held joints.
     # The force is the negative gradient. What cannot move anyway is not judged. In place, because
     # the gradient is not needed any more.
-    judged = guess.joints if fixed is None else np.where(fixed, np.int8(0), guess.joints)
+    judged = (
+        working_set.joints if fixed is None else np.where(fixed, np.int8(0), working_set.joints)
+    )
     balance = Balance(steps, chi, sweep, bands)
-    released = judge(guess.joints, judged, np.negative(gradient, out=gradient), balance)
+    released = judge(working_set.joints, judged, np.negative(gradient, out=gradient), balance)
     # ``judge`` looks at the first force that is not zero, from the highest level down: if it pulls
     # inside, that level improves by the release and no level above it notices.
     if forces is not None:
-        released += judge(guess.rows, guess.rows, forces, balance)
+        released += judge(working_set.rows, working_set.rows, forces, balance)
     return released

@@ -1,4 +1,4 @@
-"""Strict priorities: exchange on the whole hierarchy first, then one level after the other.
+"""Strict priorities: the active set of the whole hierarchy first, then one level after the other.
 
 Each level of the cascade is solved in the null space of those above, T(8) to T(15) with the
 equalities T(11), T(15) eliminated: chi = chi_k + N z. The bounds of chi and the inequality rows of
@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lexstack.hqp.active_set import WorkingSet, solve_by_exchange
+from lexstack.hqp.active_set import WorkingSet, solve_by_active_set
 from lexstack.hqp.columns import column_powers, restored_columns, scaled_columns, warm_columns
 from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, LevelRows, Signs
 from lexstack.hqp.level_qp import LevelQp, QpBackend
@@ -69,11 +69,11 @@ class NullSpaceCascade:
         even, bands = hierarchy, None
         if not reason:
             even, bands = scaled(hierarchy, problem.levels)
-            guess = _last(hierarchy, warm, chi.size)
+            working_set = _last(hierarchy, warm, chi.size)
             if bands is not None:
-                guess.rows = bands.rows_of(guess.rows)
+                working_set.rows = bands.rows_of(working_set.rows)
             held = warm.active if warm is not None and warm.active.size == chi.size else None
-            chi, reason = self._chi(even, bands, problem, chi, guess, held)
+            chi, reason = self._chi(even, bands, problem, chi, working_set, held)
         slacks = hierarchy.slacks(hierarchy.residual(chi))
         rows = even.active_bounds(chi)
         if bands is not None:
@@ -90,7 +90,7 @@ class NullSpaceCascade:
         bands: Bands | None,
         problem: HqpProblem,
         chi: Vector,
-        guess: WorkingSet,
+        working_set: WorkingSet,
         held: Signs | None,
     ) -> tuple[Vector, str]:
         """Return chi inside the bounds, and why it is not the optimum, if it is not.
@@ -100,18 +100,18 @@ class NullSpaceCascade:
             bands: how, if it was.
             problem: as given, with the bounds of chi.
             chi: a point inside them, shape (n,).
-            guess: what probably holds.
+            working_set: what probably holds.
             held: the joints that held at the last optimum, if there is one, shape (n,).
         """
         lower, upper = problem.bounds.lower, problem.bounds.upper
         if not chi.size:
             return chi, ""
         if self._guesses:
-            guessed = self._guess(hierarchy, lower, upper, guess, bands)
+            guessed = self._guess(hierarchy, lower, upper, working_set, bands)
             if guessed is not None:
                 return np.minimum(np.maximum(guessed, lower), upper), ""
         chi, k, why = self._descend(
-            hierarchy.levels, lower, upper, chi, guess.joints if held is None else held
+            hierarchy.levels, lower, upper, chi, working_set.joints if held is None else held
         )
         if why:
             level = k if bands is None else bands.owner[k]
@@ -128,32 +128,34 @@ class NullSpaceCascade:
         hierarchy: Hierarchy,
         lower: Vector,
         upper: Vector,
-        guess: WorkingSet,
+        working_set: WorkingSet,
         bands: Bands | None,
     ) -> Vector | None:
         """Return the optimum if the last active set, or one that the backend foresees, is its."""
-        chi = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, changes=_FEW, bands=bands)
+        chi = solve_by_active_set(
+            hierarchy, lower, upper, working_set, _ROUNDS, changes=_FEW, bands=bands
+        )
         if chi is not None:
             return chi
         try:
-            sides = self._backend.predict_active_set(hierarchy, lower, upper, guess.joints)
+            sides = self._backend.predict_active_set(hierarchy, lower, upper, working_set.joints)
         except _BACKEND_ERRORS:
             sides = None
         if sides is None:
             return None
-        foreseen = WorkingSet.split(hierarchy, sides)
-        return solve_by_exchange(hierarchy, lower, upper, foreseen, _ROUNDS, bands=bands)
+        predicted = WorkingSet.split(hierarchy, sides)
+        return solve_by_active_set(hierarchy, lower, upper, predicted, _ROUNDS, bands=bands)
 
     def _descend(
         self, levels: list[LevelRows], lower: Vector, upper: Vector, chi: Vector, held: Signs
     ) -> tuple[Vector, int, str]:
         """Solve level by level from a chi inside the bounds; return chi, where it ended and why."""
         basis: Matrix = np.eye(lower.size)[:, upper - lower > FEASIBILITY]
-        walls = [InheritedConstraints.of_bounds(lower, upper)]
+        inherited = [InheritedConstraints.of_bounds(lower, upper)]
         for k, level in enumerate([*levels, _smallest(lower.size)]):
             if basis.shape[1] == 0:
                 break
-            qp, joints = reduce_level(level, chi, basis, walls)
+            qp, joints = reduce_level(level, chi, basis, inherited)
             point = self._solve_level(qp, held[joints])
             if isinstance(point, str):
                 # All levels are solved when only the smallest chi is not.
@@ -161,7 +163,7 @@ class NullSpaceCascade:
             chi = np.minimum(np.maximum(chi + basis.dot(point.z), lower), upper)
             basis = basis.dot(point.null)
             if not level.exact:
-                walls.append(InheritedConstraints.of_satisfied(level, point.broken))
+                inherited.append(InheritedConstraints.of_satisfied(level, point.broken))
         return chi, 0, ""
 
     def _solve_level(self, qp: LevelQp, guess: Signs) -> Point | str:

@@ -71,7 +71,7 @@ def lay_chain(
         if basis is not None and basis.shape[1] == 0 and not pressing:
             break
         last = k == len(levels)
-        if not (level.exact or level.equal.any() or rows[level.part].any()):
+        if not (level.exact or level.equal.any() or rows[level.rows].any()):
             continue  # no row of it asks for anything
         step = _step(level, above + k - 1, rows, basis, last)
         steps.append(step)
@@ -83,7 +83,7 @@ def _merged(hierarchy: Hierarchy, basis: Matrix | None) -> Step | None:
     """Return the first levels as one, if they can all be met: then their order does not matter."""
     count = hierarchy.mergeable
     levels = hierarchy.deciding[:count]
-    end = levels[-1].part.stop
+    end = levels[-1].rows.stop
     rows = hierarchy.matrix[:end]
     if end == 0 or (basis is not None and end > basis.shape[1]):
         return None
@@ -100,11 +100,11 @@ def _step(level: LevelRows, k: int, rows: Signs, basis: Matrix | None, last: boo
     if level.exact:
         matrix, target, chosen = level.matrix, level.lower, None
     else:
-        sides = rows[level.part]
+        sides = rows[level.rows]
         local = np.flatnonzero(level.equal | (sides != 0))
         matrix = level.matrix[local]
         target = np.where(sides < 0, level.lower, level.upper)[local]
-        chosen = local + level.part.start
+        chosen = local + level.rows.start
     reduced = matrix if basis is None else matrix.dot(basis)
     return Step(k, matrix, target, chosen, basis, factorise(reduced, level.tolerance, last))
 

@@ -1,4 +1,4 @@
-"""Which joints a problem couples, and into which independent parts it can be divided.
+"""Which joints a problem couples, and into which independent subproblems it can be divided.
 
 Two joints are coupled if one task, of any level, has coefficients for both; a task whose matrix is
 a multiple of the unit matrix couples none. Clusters are the joints that are coupled directly or
@@ -8,8 +8,8 @@ through others. With chi_c the joints of cluster c, every level is a sum over cl
 
 and the bounds are joint by joint: the lexicographic optimum of the whole is that of each cluster.
 So clusters are solved separately, and the cost grows with the number of robots and not with its
-cube. Small clusters are put together into parts of some size, because a solve of 20 joints costs
-hardly more than one of 10.
+cube. Small clusters are put together into subproblems of some size, because a solve of 20 joints
+costs hardly more than one of 10.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _UNIT = b""  # the mask of a task whose rows are those of the unit matrix, in th
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """The rows of one task that belong to a part.
+    """The rows of one task that belong to a subproblem.
 
     Attributes:
         task: its place among all tasks of all levels.
@@ -64,24 +64,24 @@ class Subproblem:
 
 
 class Structure:
-    """Finds the parts of problems; it remembers the footprints of matrices that cannot change."""
+    """Divides problems into subproblems; knows the footprints of matrices that cannot change."""
 
     def __init__(self, size: int) -> None:
-        """Make parts of whole clusters, together at most ``size`` joints if they can."""
+        """Make subproblems of whole clusters, together at most ``size`` joints if they can."""
         self._size = size
         # With the matrix, so that no other one gets its id.
         self._known: dict[int, tuple[Matrix, Footprint]] = {}
 
-    def parts_of(self, problem: HqpProblem) -> tuple[Subproblem, ...]:
-        """Return the parts of a problem.
+    def subproblems_of(self, problem: HqpProblem) -> tuple[Subproblem, ...]:
+        """Return the subproblems of a problem.
 
-        Only zeros that are zeros count: a part has all rows of its joints, exactly.
+        Only zeros that are zeros count: a subproblem has all rows of its joints, exactly.
         """
         n = problem.bounds.lower.size
         prints = tuple(
             [tuple([self._footprint(task.matrix) for task in level]) for level in problem.levels]
         )
-        return _parts(n, prints, self._size)
+        return _subproblems(n, prints, self._size)
 
     def _footprint(self, matrix: Matrix) -> Footprint:
         """Return the footprint of a matrix."""
@@ -99,9 +99,10 @@ class Structure:
 
 
 def footprint(matrix: Matrix) -> Footprint:
-    """Return what the parts of a problem depend on: the rows and the columns of a task."""
+    """Return what the subproblems of a problem depend on: the rows and the columns of a task."""
     rows, columns = matrix.shape
-    # Row i of a multiple of the unit matrix has joint i alone: each part takes its own rows of it.
+    # Row i of a multiple of the unit matrix has joint i alone: each subproblem takes its own rows
+    # of it.
     if rows == columns and unit_scale(matrix):
         return rows, _UNIT
     # Exact zeros alone: to drop a coefficient because it is small would change the optimum.
@@ -109,7 +110,7 @@ def footprint(matrix: Matrix) -> Footprint:
 
 
 def share(task: LinearTask, rows: Place | None, columns: Place) -> LinearTask:
-    """Return the rows of a task that belong to a part, on its joints."""
+    """Return the rows of a task that belong to a subproblem, on its joints."""
     if rows is None:
         matrix = task.matrix[:, columns]
         return LinearTask(task.name, matrix, task.lower, task.upper)
@@ -119,10 +120,12 @@ def share(task: LinearTask, rows: Place | None, columns: Place) -> LinearTask:
 
 
 @lru_cache(maxsize=64)
-def _parts(n: int, prints: tuple[tuple[Footprint, ...], ...], size: int) -> tuple[Subproblem, ...]:
-    """Return the parts of a problem with these footprints.
+def _subproblems(
+    n: int, prints: tuple[tuple[Footprint, ...], ...], size: int
+) -> tuple[Subproblem, ...]:
+    """Return the subproblems of a problem with these footprints.
 
-    Cached by the footprints: as long as the tasks and their zeros stay, so do the parts.
+    Cached by the footprints: as long as the tasks and their zeros stay, so do the subproblems.
     """
     masks = [_columns(mask, n) for level in prints for _, mask in level]
     groups = _packed(_clusters(n, [columns for columns in masks if columns is not None]), size)
@@ -141,8 +144,9 @@ def _parts(n: int, prints: tuple[tuple[Footprint, ...], ...], size: int) -> tupl
                     levels[number][k].append(Share(task, _place(group)))
                     places[number].append(start + group)
             else:
-                # All columns of a task are in one cluster, so the first one names the part. A task
-                # without columns asks nothing of any joint; the first part takes its rows.
+                # All columns of a task are in one cluster, so the first one names the subproblem. A
+                # task without columns asks nothing of any joint; the first subproblem takes its
+                # rows.
                 number = int(owner[columns[0]]) if columns.size else 0
                 levels[number][k].append(Share(task, None))
                 places[number].append(start + np.arange(rows))
@@ -183,12 +187,12 @@ def _clusters(n: int, coupled: list[Indices]) -> list[Indices]:
 def _packed(clusters: list[Indices], size: int) -> list[Indices]:
     """Return neighbouring clusters together as long as they have at most ``size`` joints.
 
-    A cluster is never divided: one that is larger makes a part of its own. The joints of a part are
-    sorted, because the clusters in it may interleave.
+    A cluster is never divided: one that is larger makes a subproblem of its own. The joints of a
+    subproblem are sorted, because the clusters in it may interleave.
     """
     groups: list[list[Indices]] = [[]]
     for cluster in clusters:
-        if groups[-1] and sum(part.size for part in groups[-1]) + cluster.size > size:
+        if groups[-1] and sum(other.size for other in groups[-1]) + cluster.size > size:
             groups.append([])
         groups[-1].append(cluster)
     return [np.sort(np.concatenate([np.empty(0, dtype=np.intp), *group])) for group in groups]

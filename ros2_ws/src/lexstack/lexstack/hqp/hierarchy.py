@@ -40,7 +40,7 @@ class LevelRows:
     """The rows of one level; not frozen, because that would triple the time to make one.
 
     Attributes:
-        part: which rows of the hierarchy these are.
+        rows: which rows of the hierarchy these are.
         matrix: A, shape (m, n).
         lower: shape (m,).
         upper: shape (m,).
@@ -49,7 +49,7 @@ class LevelRows:
         norm: Frobenius norm of A, positive.
     """
 
-    part: slice
+    rows: slice
     matrix: Matrix
     lower: Vector
     upper: Vector
@@ -144,14 +144,14 @@ class Hierarchy:
             freedom = freedom and self._decides(added, len(self.levels) - 1 in parted)
             start = end
 
-    def _add(self, part: slice) -> LevelRows:
+    def _add(self, rows: slice) -> LevelRows:
         """Append the level of some rows."""
-        matrix, lower, equal = self.matrix[part], self.lower[part], self.equal[part]
+        matrix, lower, equal = self.matrix[rows], self.lower[rows], self.equal[rows]
         flat = matrix.reshape(-1)
         exact = self.exact or bool(equal.all())
         norm = math.sqrt(flat.dot(flat)) or 1.0
-        upper = lower if self.exact else self.upper[part]
-        level = LevelRows(part, matrix, lower, upper, equal, exact, norm)
+        upper = lower if self.exact else self.upper[rows]
+        level = LevelRows(rows, matrix, lower, upper, equal, exact, norm)
         self.levels.append(level)
         return level
 
@@ -162,7 +162,7 @@ class Hierarchy:
         if scale:
             self.nearest = level.lower / scale
             return False
-        if level.exact and level.part.stop <= n and self.mergeable == len(self.deciding):
+        if level.exact and level.rows.stop <= n and self.mergeable == len(self.deciding):
             self.mergeable += 1
         self.deciding.append(level)
         return True
@@ -177,8 +177,8 @@ class Hierarchy:
 
     def slacks(self, residual: Vector) -> Vector:
         """Return the norm of each level's residual: NaN or inf where the level is not finite."""
-        parts = [residual[level.part] for level in self.levels]
-        return np.array([math.sqrt(part.dot(part)) for part in parts])
+        residuals = [residual[level.rows] for level in self.levels]
+        return np.array([math.sqrt(one.dot(one)) for one in residuals])
 
     def active_bounds(self, chi: Vector) -> Signs:
         """Return at which end the inequality rows are, or beyond which, shape (M,)."""

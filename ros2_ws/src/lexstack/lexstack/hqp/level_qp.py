@@ -25,7 +25,7 @@ class LevelQp:
     Attributes:
         objective: shape (m, r + s).
         target: shape (m,).
-        rows: walls first, then the level's own inequality rows, shape (h + s, r + s).
+        rows: hard rows first, then the level's own inequality rows, shape (h + s, r + s).
         lower: shape (h + s,).
         upper: shape (h + s,).
         start: a point inside, with z = 0, shape (r + s,).
@@ -75,7 +75,7 @@ def level_qp(
     reduced: Matrix,
     equal: Mask,
     ends: tuple[Vector, Vector],
-    walls: tuple[Matrix, Vector, Vector],
+    hard: tuple[Matrix, Vector, Vector],
     norm: float,
     *,
     proximal: float = PROXIMAL,
@@ -87,12 +87,12 @@ def level_qp(
         reduced: the level's rows in z, shape (m, r).
         equal: which of them are equality objectives, shape (m,).
         ends: lower and upper end of each row, from where chi is, shapes (m,).
-        walls: hard rows in z with lower <= 0 <= upper: shapes (h, r), (h,), (h,).
+        hard: rows in z with lower <= 0 <= upper: shapes (h, r), (h,), (h,).
         norm: of the level's rows before they were reduced.
         proximal: what H may get on its diagonal.
-        simple: how many of the first walls are rows of the unit matrix.
+        simple: how many of the first hard rows are rows of the unit matrix.
     """
-    rows, lower, upper = walls
+    rows, lower, upper = hard
     tolerance = RANK_TOLERANCE * norm
     if equal.all():
         start = np.zeros(reduced.shape[1])

@@ -45,26 +45,28 @@ class InheritedConstraints:
 
 
 def reduce_level(
-    level: LevelRows, chi: Vector, basis: Matrix, walls: list[InheritedConstraints]
+    level: LevelRows, chi: Vector, basis: Matrix, inherited: list[InheritedConstraints]
 ) -> tuple[LevelQp, Indices]:
     """Return a level in z, where chi becomes chi + N z, and the joints of its first rows.
 
     Args:
         level: of n columns.
-        chi: inside all walls but for rounding, shape (n,).
+        chi: inside all of them but for rounding, shape (n,).
         basis: N, orthonormal, shape (n, r).
-        walls: the bounds of chi first.
+        inherited: the bounds of chi first.
     """
     hard, below, above = [], [], []
     joints = np.empty(0, dtype=np.intp)
-    for k, wall in enumerate(walls):
-        rows = basis if k == 0 else wall.matrix.dot(basis)
+    for k, constraints in enumerate(inherited):
+        rows = basis if k == 0 else constraints.matrix.dot(basis)
         # Rows that the levels above have used up hold rounding errors, on which solvers fail.
-        felt = np.flatnonzero(np.einsum("ij,ij->i", rows, rows) > wall.tolerance * wall.tolerance)
-        value = wall.matrix.dot(chi)
+        felt = np.flatnonzero(
+            np.einsum("ij,ij->i", rows, rows) > constraints.tolerance * constraints.tolerance
+        )
+        value = constraints.matrix.dot(chi)
         hard.append(rows[felt])
-        below.append((wall.lower - value)[felt])
-        above.append((wall.upper - value)[felt])
+        below.append((constraints.lower - value)[felt])
+        above.append((constraints.upper - value)[felt])
         joints = felt if k == 0 else joints
     reduced = level.matrix.dot(basis)
     reduced[np.einsum("ij,ij->i", reduced, reduced) <= level.tolerance * level.tolerance] = 0.0

@@ -47,13 +47,13 @@ class _Corner:
     Attributes:
         x: shape (r + s,).
         pressed: multipliers of all rows, positive at the upper bound, shape (h + s,).
-        walls: factor of the working rows.
+        working: factor of the working rows.
         objective: factor of the objective in the directions that these leave.
     """
 
     x: Vector
     pressed: Vector
-    walls: Factor
+    working: Factor
     objective: Factor
 
 
@@ -92,15 +92,15 @@ def _corner(qp: LevelQp, x: Vector, sides: Signs) -> _Corner:
     held = np.flatnonzero(sides)
     bound = np.where(sides > 0, qp.upper, qp.lower)[held]
     rows = qp.rows[held]
-    walls = factorise(rows, _ROW_TOLERANCE)
-    on_walls = x + walls.solve(bound - rows.dot(x))
-    factor = factorise(qp.objective.dot(walls.null), qp.tolerance)
-    move = factor.solve(qp.target - qp.objective.dot(on_walls))
-    corner: Vector = on_walls + walls.null.dot(move)
+    working = factorise(rows, _ROW_TOLERANCE)
+    on_working = x + working.solve(bound - rows.dot(x))
+    factor = factorise(qp.objective.dot(working.null), qp.tolerance)
+    move = factor.solve(qp.target - qp.objective.dot(on_working))
+    corner: Vector = on_working + working.null.dot(move)
     residual = qp.objective.dot(corner) - qp.target
     pressed = np.zeros(sides.size)
-    pressed[held] = walls.solve_transposed(-residual.dot(qp.objective)[None])[0]
-    return _Corner(corner, pressed, walls, factor)
+    pressed[held] = working.solve_transposed(-residual.dot(qp.objective)[None])[0]
+    return _Corner(corner, pressed, working, factor)
 
 
 def _zero(qp: LevelQp, corner: _Corner) -> float:
@@ -141,7 +141,7 @@ def _point(qp: LevelQp, corner: _Corner, sides: Signs) -> Point:
     felt = np.abs(corner.pressed) > _zero(qp, corner)
     if qp.slacks == 0:
         if np.count_nonzero(felt) == np.count_nonzero(sides):
-            null = corner.walls.null.dot(corner.objective.null)
+            null = corner.working.null.dot(corner.objective.null)
         else:
             null = _null(qp.rows[felt], qp.objective, qp.tolerance)
         return Point(corner.x, null, np.zeros(0, dtype=np.bool_))
@@ -155,6 +155,6 @@ def _point(qp: LevelQp, corner: _Corner, sides: Signs) -> Point:
 
 def _null(rows: Matrix, objective: Matrix, tolerance: float) -> Matrix:
     """Return the directions that leave both alone."""
-    walls = factorise(rows, _ROW_TOLERANCE)
-    null: Matrix = walls.null.dot(factorise(objective.dot(walls.null), tolerance).null)
+    working = factorise(rows, _ROW_TOLERANCE)
+    null: Matrix = working.null.dot(factorise(objective.dot(working.null), tolerance).null)
     return null

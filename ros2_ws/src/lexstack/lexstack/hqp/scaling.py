@@ -87,8 +87,8 @@ def scaled(hierarchy: Hierarchy, levels: Levels) -> tuple[Hierarchy, Bands | Non
     owner: list[int] = []
     shift: list[int] = []
     for k, level in enumerate(hierarchy.levels):
-        for rows, exponent in _bands(exponents[level.part]):
-            order.append(rows + level.part.start)
+        for rows, exponent in _bands(exponents[level.rows]):
+            order.append(rows + level.rows.start)
             owner.append(k)
             shift.append(exponent)
     return _rebuilt(hierarchy, order, owner, shift)

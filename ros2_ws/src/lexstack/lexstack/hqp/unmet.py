@@ -18,7 +18,7 @@ from lexstack.hqp.active_set import (
     hold_fixed,
     point_of,
     release,
-    solve_by_exchange,
+    solve_by_active_set,
 )
 from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, Mask, Signs, noise
 from lexstack.hqp.scaling import Bands
@@ -50,9 +50,9 @@ def with_weights(
     joints: Signs = np.zeros(chi.size, dtype=np.int8)
     joints[chi - lower <= near] = -1
     joints[upper - chi <= near] = 1
-    guess = WorkingSet(joints, hierarchy.active_bounds(chi))
-    careful = guess.copy()
-    found = solve_by_exchange(hierarchy, lower, upper, guess, _ROUNDS, bands=bands)
+    working_set = WorkingSet(joints, hierarchy.active_bounds(chi))
+    careful = working_set.copy()
+    found = solve_by_active_set(hierarchy, lower, upper, working_set, _ROUNDS, bands=bands)
     if found is None:
         found = _one_by_one(hierarchy, bands, box, careful)
     if found is not None:
@@ -63,32 +63,32 @@ def with_weights(
 
 
 def _one_by_one(
-    hierarchy: Hierarchy, bands: Bands, box: tuple[Vector, Vector], guess: WorkingSet
+    hierarchy: Hierarchy, bands: Bands, box: tuple[Vector, Vector], working_set: WorkingSet
 ) -> Vector | None:
-    """Return the optimum, found by exchanging only the first wrong place of each guess.
+    """Return the optimum, found by changing only the first wrong place of each working set.
 
     Murty's rule of the least index: it takes longer, and it cannot cycle. What a large band gives
     way may be too little for the sign of a force to be seen. But a joint that leaves the box as
     soon as it alone is released was held rightly, and is not judged until something else changes.
     """
-    fixed = hold_fixed(guess, *box)
-    kept: Mask = np.zeros(guess.joints.size, dtype=np.bool_)
+    fixed = hold_fixed(working_set, *box)
+    kept: Mask = np.zeros(working_set.joints.size, dtype=np.bool_)
     last = -1
     for _ in range(_SINGLE_ROUNDS):
-        chi, steps = point_of(hierarchy, *box, guess, bands)
+        chi, steps = point_of(hierarchy, *box, working_set, bands)
         if not math.isfinite(chi.dot(chi)):
             return None
-        before = guess.copy()
-        wrong = hold(hierarchy, chi, box, guess, _NEARLY)
+        before = working_set.copy()
+        wrong = hold(hierarchy, chi, box, working_set, _NEARLY)
         if steps is not None:
             unjudged = kept if fixed is None else kept | fixed
-            wrong += release(hierarchy, steps, chi, guess, unjudged, bands)
+            wrong += release(hierarchy, steps, chi, working_set, unjudged, bands)
         if not wrong:
             return chi
-        guess.keep_first_change(before)
-        changed = np.flatnonzero(guess.joints != before.joints)
+        working_set.keep_first_change(before)
+        changed = np.flatnonzero(working_set.joints != before.joints)
         joint = int(changed[0]) if changed.size else -1
-        back = joint >= 0 and joint == last and guess.joints[joint] != 0
+        back = joint >= 0 and joint == last and working_set.joints[joint] != 0
         kept[:] = False
         if back:
             kept[joint] = True
@@ -101,6 +101,6 @@ def _unmet(hierarchy: Hierarchy, bands: Bands, chi: Vector) -> int:
     residual = np.abs(hierarchy.residual(chi))
     near = max(FEASIBILITY, noise(math.sqrt(chi.dot(chi))))
     for level, owner in zip(hierarchy.levels, bands.owner, strict=True):
-        if bands.owner.count(owner) > 1 and residual[level.part].max(initial=0.0) > near:
+        if bands.owner.count(owner) > 1 and residual[level.rows].max(initial=0.0) > near:
             return owner
     return -1

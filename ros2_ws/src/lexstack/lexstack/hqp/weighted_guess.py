@@ -27,9 +27,9 @@ def weighted_qp(hierarchy: Hierarchy, lower: Vector, upper: Vector) -> LevelQp:
     scale = np.empty(hierarchy.lower.size)
     weight = 1.0
     for level in levels:
-        scale[level.part] = weight / level.norm
+        scale[level.rows] = weight / level.norm
         weight *= step
     rows = hierarchy.matrix * scale[:, None]
     ends = hierarchy.lower * scale, hierarchy.upper * scale
-    walls = np.eye(n), lower, upper
-    return level_qp(rows, hierarchy.equal, ends, walls, norm=1.0, proximal=_RANGE, simple=n)
+    hard = np.eye(n), lower, upper
+    return level_qp(rows, hierarchy.equal, ends, hard, norm=1.0, proximal=_RANGE, simple=n)

@@ -71,7 +71,7 @@ class JerkLaw:
         self._dt = dt
         # From here on: towards the lower, then towards the upper limit, shape (2n,), in the unit
         # of velocity. Positions are divided by dt.
-        self._walls = np.clip(np.concatenate((-lower, upper)), -_FAR, _FAR) / dt
+        self._positions = np.clip(np.concatenate((-lower, upper)), -_FAR, _FAR) / dt
         self._speed = np.concatenate((velocity, velocity))
         self._most = np.concatenate((most, most))
         self._used = np.concatenate((used, used))
@@ -90,7 +90,7 @@ class JerkLaw:
             change: of the velocity in the last step, its acceleration times dt, shape (n,).
         """
         n = position.size
-        room = self._walls - np.concatenate((-position, position)) / self._dt
+        room = self._positions - np.concatenate((-position, position)) / self._dt
         speed = np.concatenate((-velocity, velocity))
         # First what acceleration, jerk and velocity allow; the position can only take from that.
         largest = self._within_velocity(room, speed, np.concatenate((-change, change)))
@@ -98,7 +98,7 @@ class JerkLaw:
         np.maximum(room, 0.0, out=room)
         # F itself is computed one joint at a time. Its upper bound is cheap, for all joints at
         # once, and clears those that are far from their limits.
-        near = np.flatnonzero(self._goes_at_most(speed, largest) > room)
+        near = np.flatnonzero(self._most_distance(speed, largest) > room)
         if near.size:
             self._keep_room(near, room, speed, largest)
         least, largest = -largest[:n], largest[n:]
@@ -129,11 +129,11 @@ class JerkLaw:
 
         The arguments are those of ``viable``.
         """
-        room = self._walls - np.concatenate((-position, position)) / self._dt
+        room = self._positions - np.concatenate((-position, position)) / self._dt
         speed, last = np.concatenate((-velocity, velocity)), np.concatenate((-change, change))
         brake = np.maximum(last - self._step, -self._used)
         holds: NDArray[np.bool_] = room >= -_KEPT / self._dt
-        near = np.flatnonzero(holds & ~(self._goes_at_most(speed, brake) <= room))
+        near = np.flatnonzero(holds & ~(self._most_distance(speed, brake) <= room))
         columns = (x[near] / self._step[near] for x in (room, speed, self._used, brake))
         joints = zip(*(column.tolist() for column in columns), strict=True)
         holds[near] = [keeps_room(*joint) for joint in joints]
@@ -160,26 +160,26 @@ class JerkLaw:
         np.maximum(largest, least, out=largest)
         return largest
 
-    def _goes_at_most(self, speed: Vector, change: Vector) -> Vector:
+    def _most_distance(self, speed: Vector, change: Vector) -> Vector:
         """Return an upper bound of F(v, w'), shape (2n,): cheap, and enough far from the limits.
 
         That is D with c = max(w - S/2, 0) and max(v, 0), without -c^3 / (6 S^2), and with P = A
         throughout: z / P + P / S is least at P = sqrt(S z), which D has where z < A^2 / S.
         """
-        goes: Vector = speed + change
+        distance: Vector = speed + change
         c = change - 0.5 * self._step
         np.maximum(c, 0.0, out=c)
         gained = c * c
         gained /= 2.0 * self._step
-        z = np.maximum(goes, 0.0)
+        z = np.maximum(distance, 0.0)
         z += gained
-        goes += gained
+        distance += gained
         c += 0.5 * self._used
         c /= self._step
         c += z / (2.0 * self._used)
         c *= z
-        goes += c
-        return goes
+        distance += c
+        return distance
 
     def _keep_room(
         self, near: NDArray[np.intp], room: Vector, speed: Vector, largest: Vector

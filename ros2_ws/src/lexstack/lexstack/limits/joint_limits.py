@@ -49,7 +49,7 @@ class JointLimits:
         velocity: m/s and rad/s, finite and positive.
         acceleration: m/s^2 and rad/s^2, finite and positive.
         jerk: m/s^3 and rad/s^3, positive; inf where there is none.
-        walls: both position limits, lower first, finite, shape (2n,).
+        positions: both position limits, lower first, finite, shape (2n,).
         speeds: ``velocity`` for either of them, shape (2n,).
         rates: ``acceleration`` for either of them, shape (2n,).
     """
@@ -61,7 +61,7 @@ class JointLimits:
     jerk: Vector
     # Below: the lower, then the upper side in one vector, so that one pass of plain vector
     # operations makes both sides of a box; broadcasting would double the time of each.
-    walls: Vector = field(init=False, repr=False)
+    positions: Vector = field(init=False, repr=False)
     speeds: Vector = field(init=False, repr=False)
     rates: Vector = field(init=False, repr=False)
 
@@ -81,8 +81,8 @@ class JointLimits:
             value = getattr(self, name)
             self._require(np.isfinite(value) & (value > 0.0), name, "finite and positive")
         self._require(self.jerk > 0.0, "jerk", "positive")
-        walls = np.concatenate((self.position_lower, self.position_upper))
-        object.__setattr__(self, "walls", np.clip(walls, -_FAR, _FAR))
+        positions = np.concatenate((self.position_lower, self.position_upper))
+        object.__setattr__(self, "positions", np.clip(positions, -_FAR, _FAR))
         object.__setattr__(self, "speeds", np.concatenate((self.velocity,) * 2))
         object.__setattr__(self, "rates", np.concatenate((self.acceleration,) * 2))
 

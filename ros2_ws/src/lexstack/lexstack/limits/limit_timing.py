@@ -68,12 +68,12 @@ class LimitTiming:
         """Return the timing of a change of limits at this state of motion."""
         n, dt = new.n, motion.dt
         # Both sides in one vector, each measured outward: the lower side is mirrored. Everything
-        # below then reads as for an upper limit: outside is position > wall, outward is speed > 0.
+        # below then reads as for an upper limit: outside is position > end, outward is speed > 0.
         position = np.concatenate((-motion.position, motion.position))
         speed = np.concatenate((-motion.applied, motion.applied))
         outward, jerk, larger = _accelerations(old, new, motion)
-        walls = np.concatenate((-new.walls[:n], new.walls[n:]))
-        inside = walls - position >= -_KEPT
+        ends = np.concatenate((-new.positions[:n], new.positions[n:]))
+        inside = ends - position >= -_KEPT
         # Late: outside the limit, or not able to stop in front of it with the new acceleration. Of
         # the two jerk limits the larger one counts here: a joint that brakes keeps it (``_eased``).
         either = replace(new, jerk=np.maximum(old.jerk, new.jerk))
@@ -89,7 +89,7 @@ class LimitTiming:
         time = np.where(
             fast,
             _time_to_stand(speed, outward, rate, jerk),
-            _time_to_cross(walls - position, speed, outward, rate, jerk, new.speeds),
+            _time_to_cross(ends - position, speed, outward, rate, jerk, new.speeds),
         )
         # Rounded up: see the module. _KEPT keeps a time that is a whole number of ticks, but for
         # rounding, from costing one tick more.
@@ -97,19 +97,19 @@ class LimitTiming:
         # With W the distance of the limits, ``JerkLaw`` uses at most S cbrt(1/8 + W / (dt S)). That
         # is at least A = a dt if W >= a^3 / j^2, with S = j dt^2. ``behind`` is the other limit,
         # measured outward on this side.
-        apart, behind = rate**3 / jerk**2, -np.roll(walls, n)
+        apart, behind = rate**3 / jerk**2, -np.roll(ends, n)
         # The limit that leaves one choice, full acceleration inward: it lies inside both the new
         # limit and the joint by the room d of u(d) = v_max, that is d = v_max (v_max / (2 a) + dt).
         # Until the joint has crossed the new limit, u towards ``drawn_to`` is at most -v_max.
-        drawn_to = np.minimum(walls, position) - new.speeds * (new.speeds / (2.0 * rate) + dt)
+        drawn_to = np.minimum(ends, position) - new.speeds * (new.speeds / (2.0 * rate) + dt)
         # But a joint must not be driven through its other limit: the drawn limit keeps ``apart``
         # from it, or stays at the new limit where both are closer than that. A ``fast`` joint only
         # brakes, and does not come to the other limit: there ``_drawn`` moves that one instead.
-        drawn_to = np.where(fast, drawn_to, np.maximum(drawn_to, np.minimum(behind + apart, walls)))
+        drawn_to = np.where(fast, drawn_to, np.maximum(drawn_to, np.minimum(behind + apart, ends)))
         # Where a joint that moves outward comes to rest: one tick at its speed, then v^2 / (2 a).
         away = np.maximum(speed, 0.0)
         rest = position + away * (away / (2.0 * rate) + dt)
-        gaps = np.where(late, np.maximum(rest - walls, 0.0), 0.0)
+        gaps = np.where(late, np.maximum(rest - ends, 0.0), 0.0)
         return cls(fast, ticks, drawn_to, apart, gaps)
 
 

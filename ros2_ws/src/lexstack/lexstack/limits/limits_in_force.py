@@ -1,4 +1,4 @@
-"""The limits in force at every tick, and robot A's box that keeps them."""
+"""The limits in force at every tick, and the controller's box that keeps them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class LimitOptions:
 
 
 class BoundsProvider(Protocol):
-    """What robot A needs of its limits."""
+    """What the controller needs of its limits."""
 
     @property
     def dt(self) -> float:

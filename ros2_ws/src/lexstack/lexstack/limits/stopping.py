@@ -66,20 +66,20 @@ def largest_stoppable_change(
         return least
     # The two ends first. If even the hardest braking goes too far, that is the best there is; after
     # this line the root is between the two, and Newton's method may start at the upper one.
-    goes, slope = _stopping_distance(speed, used, largest)
-    if goes <= room:
+    distance, slope = _stopping_distance(speed, used, largest)
+    if distance <= room:
         return largest
     if _stopping_distance(speed, used, least)[0] > room:
         return least
     change = largest
     for _ in range(_PASSES):
-        change -= (goes - room) / slope  # slope >= 1: the tick at v' = v + w' alone counts 1
+        change -= (distance - room) / slope  # slope >= 1: the tick at v' = v + w' alone counts 1
         if change <= least:
             break
-        goes, slope = _stopping_distance(speed, used, change)
+        distance, slope = _stopping_distance(speed, used, change)
         # From above F reaches d only in the limit, so what is left must be allowed as rounding: it
         # is relative to the numbers in it, and 1000 times smaller than what ``keeps_room`` allows.
-        if goes - room <= _ROUNDING * (used + room):
+        if distance - room <= _ROUNDING * (used + room):
             return change
     return least
 

@@ -125,7 +125,7 @@ def can_stop(
         applied: the velocity that the plant applied last, shape (n,).
         acceleration: of the last tick, shape (n,), m/s^2 and rad/s^2; None: jerk is not limited.
     """
-    room = limits.walls - np.concatenate((position, position))
+    room = limits.positions - np.concatenate((position, position))
     room[: position.size] *= -1.0
     speed = np.concatenate((-applied, applied))
     stops: NDArray[np.bool_] = room >= -_KEPT
@@ -167,7 +167,7 @@ def _jerk_law(limits: JointLimits, dt: float) -> tuple[JerkLaw | None, NDArray[n
 
 def _stoppable(position: Vector, limits: JointLimits, dt: float) -> Vector:
     """Return L then U, shape (2n,): how fast each joint may move towards either limit."""
-    room = limits.walls - np.concatenate((position, position))
+    room = limits.positions - np.concatenate((position, position))
     speed = approach_speed(room, limits.rates, dt)
     np.minimum(speed, limits.speeds, out=speed)
     return np.maximum(speed, -limits.speeds, out=speed)

@@ -87,7 +87,7 @@ class LimitBarrier:
     def slopes(self, q: Matrix, v: Matrix, u: Matrix) -> tuple[tuple[Matrix, ...], ...]:
         """Return gradient and diagonal of the Hessian, each as parts for q, v, u, (N, n)."""
         first, second = slopes(self._config, self._room(q, v, u))
-        return self._parts(first[1] - first[0]), self._parts(second[0] + second[1])
+        return self._split(first[1] - first[0]), self._split(second[0] + second[1])
 
     def _room(self, q: Matrix, v: Matrix, u: Matrix) -> Array:
         """Return what is left to the upper, then to the lower limits, shape (2, N, b + 2 n)."""
@@ -97,7 +97,7 @@ class LimitBarrier:
         np.subtract(values, self._lower, out=room[1])
         return room
 
-    def _parts(self, values: Matrix) -> tuple[Matrix, ...]:
+    def _split(self, values: Matrix) -> tuple[Matrix, ...]:
         """Return the parts of q, v and u; joints without position limits get zero."""
         b, n = self._b, self._n
         position = np.zeros((len(values), n))

@@ -105,7 +105,7 @@ class Htmpc:
         tasks = [Task(objective, self.config, self.robot.n) for objective in objectives]
         program = self.program(start, before, around)
         iterate = program.iterate(self._guess(start, tasks, before, program))
-        levels, holding, iterate = self._solve_levels(program, tasks, iterate, before)
+        levels, active_sets, iterate = self._solve_levels(program, tasks, iterate, before)
         return Plan(
             stamp=start.stamp,
             step=self.config.step,
@@ -114,7 +114,7 @@ class Htmpc:
             u=iterate.u,
             levels=tuple(levels),
             errors=tuple(task.error(iterate.at) for task in tasks),
-            holding=holding,
+            active_sets=active_sets,
             solve_time=perf_counter() - begun,
         )
 
@@ -131,27 +131,27 @@ class Htmpc:
         self, program: Program, tasks: list[Task], iterate: Iterate, before: Plan | None
     ) -> tuple[list[LevelStatus], tuple[ActiveSet, ...], Iterate]:
         """Solve all levels in order; what comes below a failure is skipped."""
-        guards: list[LexicographicConstraint] = []
+        constraints: list[LexicographicConstraint] = []
         levels: list[LevelStatus] = []
         guessed = iterate
-        known = () if before is None else before.holding
-        holding: list[ActiveSet] = []
+        known = () if before is None else before.active_sets
+        active_sets: list[ActiveSet] = []
         for i, task in enumerate(tasks):
             if levels and not levels[-1].outcome.sound:
                 levels.append(_skipped(i, task, iterate))
                 continue
             guess = known[i] if i < len(known) else EMPTY
-            level = Level(self.config, program, task, tuple(guards), guess)
+            level = Level(self.config, program, task, tuple(constraints), guess)
             if i and self.config.restart_from_previous:
                 iterate = level.better(iterate, guessed)
             iterate, status = level.solve(iterate)
-            holding.append(level.holding)
+            active_sets.append(level.active_set)
             levels.append(status)
             best = task.error(iterate.at)
-            guards.append(
+            constraints.append(
                 LexicographicConstraint(i, task, best, self.config.lexicographic, self.horizon)
             )
-        return levels, tuple(holding), iterate
+        return levels, tuple(active_sets), iterate
 
     def program(
         self, start: Start, before: Plan | None = None, around: CollisionScene | None = None

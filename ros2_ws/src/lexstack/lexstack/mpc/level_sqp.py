@@ -46,7 +46,7 @@ class Level:
     """One task, within the constraints of the levels above.
 
     Attributes:
-        holding: what held in the last QP, or at first what probably will.
+        active_set: what held in the last QP, or at first what probably will.
     """
 
     def __init__(
@@ -54,20 +54,20 @@ class Level:
         config: HtmpcConfig,
         program: Program,
         task: Task,
-        guards: tuple[LexicographicConstraint, ...],
-        holding: ActiveSet = EMPTY,
+        constraints: tuple[LexicographicConstraint, ...],
+        active_set: ActiveSet = EMPTY,
     ) -> None:
         """Take the level's task, and the constraints of the levels above, highest first."""
         self._config = config
         self._program = program
         self._task = task
-        self._guards = guards
-        self.holding = holding
+        self._constraints = constraints
+        self.active_set = active_set
 
     def better(self, start: Iterate, other: Iterate) -> Iterate:
-        """Return the other iterate where it costs less and no guard is violated, else the first."""
+        """Return the other iterate if it costs less and violates no constraint, else the first."""
         cost = self._program.cost(start, self._task)
-        return start if self._refusal(other, cost) else other
+        return start if self._rejection_reason(other, cost) else other
 
     def solve(self, start: Iterate) -> tuple[Iterate, LevelStatus]:
         """Return the last iterate, and how it was reached."""
@@ -78,12 +78,12 @@ class Level:
             step = self._step(iterate)
             steps.append(step)
             before, iterate = iterate, step.iterate
-            if step.outcome is not Outcome.STEPPED or self._enough(before, iterate):
+            if step.outcome is not Outcome.STEPPED or self._stops_early(before, iterate):
                 break
         last = self._program.cost(iterate, self._task)
         return iterate, self._status(steps, first - last, iterate)
 
-    def _enough(self, before: Iterate, after: Iterate) -> bool:
+    def _stops_early(self, before: Iterate, after: Iterate) -> bool:
         """Return whether another iteration is not worth its time: the task hardly gained by this.
 
         The task's own part counts: level 1 could always go on to save effort, which the levels
@@ -103,7 +103,7 @@ class Level:
         if outcome is Outcome.BLOCKED and len(steps) > 1:
             outcome = Outcome.STEPPED
         return LevelStatus(
-            level=len(self._guards),
+            level=len(self._constraints),
             name=self._task.objective.name,
             outcome=outcome,
             iterations=len(steps),
@@ -133,27 +133,27 @@ class Level:
     def _search(
         self, iterate: Iterate, direction: Matrix, bend: Matrix, cost: float, slope: float
     ) -> _Step:
-        """Backtrack until the cost falls enough and no guard is violated, H(13).
+        """Backtrack until the cost falls enough and no constraint is violated, H(13).
 
         The trials are on the curve u + alpha d + alpha^2 b. Its slope at alpha = 0 is that of d, so
-        Armijo's rule uses g.d whatever b is. Its second-order error in the guards is alpha^2 times
-        that of the whole step, so one b serves all trials.
+        Armijo's rule uses g.d whatever b is. Its second-order error in the constraints is alpha^2
+        times that of the whole step, so one b serves all trials.
         """
         rules = self._config.line_search
-        alpha, refused = 1.0, ""
+        alpha, rejected = 1.0, ""
         for trial in range(1, rules.trials + 1):
             tried = self._program.iterate(iterate.u + alpha * direction + alpha**2 * bend)
-            verdict = self._refusal(tried, cost + rules.descent * alpha * slope)
+            verdict = self._rejection_reason(tried, cost + rules.descent * alpha * slope)
             if not verdict:
-                return _Step(tried, Outcome.STEPPED, alpha, trial, refused, "solved")
-            refused = verdict
+                return _Step(tried, Outcome.STEPPED, alpha, trial, rejected, "solved")
+            rejected = verdict
             alpha *= rules.beta
-        return _Step(iterate, Outcome.BLOCKED, 0.0, rules.trials, refused, "solved")
+        return _Step(iterate, Outcome.BLOCKED, 0.0, rules.trials, rejected, "solved")
 
-    def _refusal(self, tried: Iterate, limit: float) -> str:
+    def _rejection_reason(self, tried: Iterate, limit: float) -> str:
         """Return why a trial is not taken; empty if it is."""
-        for guard in self._guards:
-            excess, where = guard.excess(guard.task.error(tried.at))
+        for constraint in self._constraints:
+            excess, where = constraint.excess(constraint.task.error(tried.at))
             if not excess <= 0.0:
                 return where
         cost = self._program.cost(tried, self._task)
@@ -164,7 +164,7 @@ class Level:
     def _direction(self, iterate: Iterate, quadratic: Quadratic) -> tuple[Vector, Vector, str]:
         """Return the step d, its correction b, shapes (N n,), and the solver's word.
 
-        The guards are curved: on the straight line u + d their values e differ from the linear
+        The constraints are curved: on the straight line u + d their values e differ from the linear
         e + E d by c, of second order in d, and H(13) would shorten the step for it. b is the
         smallest correction, in the metric of H, that makes up for c:
 
@@ -183,13 +183,13 @@ class Level:
             return none, none, qp.word
         rows = self._rows(iterate)
         moving = self._moving(len(iterate.u))
-        limited = LimitedQp(qp, quadratic.gradient, rows.matrix, moving, self.holding)
+        limited = LimitedQp(qp, quadratic.gradient, rows.matrix, moving, self.active_set)
         if self._program.hard is not None:
             limited.within(self._program.hard, iterate.u)
         direction, word = limited.solve(rows.lower, rows.upper)
         # Kept before the second QP: it is a guess for the first one of the next iteration.
-        self.holding = limited.holding
-        if word != "solved" or not (self._config.second_order_correction and self._guards):
+        self.active_set = limited.active_set
+        if word != "solved" or not (self._config.second_order_correction and self._constraints):
             return direction, none, word
         # A step by s d has the second-order error s^2 c. Where max |c| exceeds 0.05, s is chosen so
         # that s^2 max |c| = 0.05; otherwise s = 1.
@@ -206,7 +206,7 @@ class Level:
         return shorter, corrected - shorter, word
 
     def _bent(self, iterate: Iterate, rows: _Rows, direction: Vector) -> Vector:
-        """Return c, the second-order error of the guards for a whole step d, shape (r,).
+        """Return c, the second-order error of the constraints for a whole step d, shape (r,).
 
             c = (e(u + h d) - e(u) - h E d) / h^2,    h = 1/4
 
@@ -219,19 +219,19 @@ class Level:
         return np.asarray(off / _PROBE**2)
 
     def _rows(self, iterate: Iterate) -> _Rows:
-        """Return the guards made linear; a step of zero is always allowed."""
-        if not self._guards:
+        """Return the constraints made linear; a step of zero is always allowed."""
+        if not self._constraints:
             none = np.zeros(0)
             return _Rows(np.zeros((0, iterate.u.size)), none, none)
         matrices, lower, upper = [], [], []
         moving = self._moving(len(iterate.u))
-        for guard in self._guards:
-            error = guard.task.error(iterate.at)
-            value = guard.value(error)
-            matrix = guard.rows(iterate.at, error)
+        for constraint in self._constraints:
+            error = constraint.task.error(iterate.at)
+            value = constraint.value(error)
+            matrix = constraint.rows(iterate.at, error)
             matrices.append(matrix if moving is None else matrix * moving)
-            lower.append(guard.lower - value)
-            upper.append(guard.upper - value)
+            lower.append(constraint.lower - value)
+            upper.append(constraint.upper - value)
         return _opened(
             matrices[0] if len(matrices) == 1 else np.concatenate(matrices),
             np.concatenate(lower),
@@ -239,8 +239,10 @@ class Level:
         )
 
     def _values(self, at: StageKinematics) -> Vector:
-        """Return the values of all guards, one after the other."""
-        return np.concatenate([guard.value(guard.task.error(at)) for guard in self._guards])
+        """Return the values of all constraints, one after the other."""
+        return np.concatenate(
+            [constraint.value(constraint.task.error(at)) for constraint in self._constraints]
+        )
 
     def _moving(self, stages: int) -> Vector | None:
         """Return 1 where the level may change an input, else 0, shape (N n,); None: all."""
@@ -251,7 +253,7 @@ def _opened(matrix: Matrix, lower: Vector, upper: Vector) -> _Rows:
     """Return rows that the zero step satisfies: lower <= 0 <= upper, opened where it is not so.
 
     ``lower`` and ``upper`` are the bounds of e less the present e, so upper < 0 means that the
-    iterate violates a guard, which H(13) allows by up to delta. A QP that demanded to undo
+    iterate violates a constraint, which H(13) allows by up to delta. A QP that demanded to undo
     this would leave no descent. With upper = 0 the violation need not shrink, and to first order it
     cannot grow: E d <= 0. Bounds that the iterate meets stay as they are; delta is not in them.
     """

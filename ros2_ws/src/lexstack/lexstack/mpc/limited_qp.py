@@ -28,12 +28,12 @@ class ActiveSet:
     """What held at a solution: a guess for the next one.
 
     Attributes:
-        guards: -1, 0 or 1 per row of the guards: the side that holds, shape (g,).
+        constraints: -1, 0 or 1 per row of the constraints of H(13): the side that holds, (g,).
         places: of the hard limits that hold.
         sides: -1 or 1 for each of them, shape (r,).
     """
 
-    guards: Vector
+    constraints: Vector
     places: Places
     sides: Vector
 
@@ -42,7 +42,7 @@ EMPTY = ActiveSet(np.zeros(0), NOWHERE, np.zeros(0))
 
 
 class LimitedQp:
-    """One H and gradient, the guards' rows, and the hard limits found so far.
+    """One H and gradient, the constraints' rows, and the hard limits found so far.
 
     Attributes:
         places: of the hard limits that it has taken in.
@@ -52,7 +52,7 @@ class LimitedQp:
         self,
         qp: CondensedQp,
         gradient: Vector,
-        guards: Matrix,
+        constraints: Matrix,
         moving: Vector | None = None,
         first: ActiveSet = EMPTY,
     ) -> None:
@@ -61,19 +61,19 @@ class LimitedQp:
         Args:
             qp: with H factored.
             gradient: shape (N n,).
-            guards: their rows, shape (g, N n).
+            constraints: their rows, shape (g, N n).
             moving: 1 for inputs that may change, else 0, shape (N n,); None: all may.
             first: what probably holds.
         """
         self._qp = qp
         self._center = qp.center(gradient)
-        self._white, self._factors = qp.whiten(guards)
-        self._guards = len(guards)
+        self._white, self._factors = qp.whiten(constraints)
+        self._constraints = len(constraints)
         self._moving = moving
         self._hard: HeldLimits | None = None
         self._room = (np.zeros(0), np.zeros(0))
-        same = first.guards.size == len(guards)
-        self._multipliers: Vector = first.guards if same else np.zeros(len(guards))
+        same = first.constraints.size == len(constraints)
+        self._multipliers: Vector = first.constraints if same else np.zeros(len(constraints))
         self._first = first
         self.places = NOWHERE
 
@@ -94,7 +94,7 @@ class LimitedQp:
         return self.solve(lower, upper)
 
     def solve(self, lower: Vector, upper: Vector) -> tuple[Vector, str]:
-        """Return d, shape (N n,), and the solver's word; the guards' bounds have shape (g,)."""
+        """Return d, shape (N n,), and the solver's word; bounds of the constraints, (g,)."""
         for _ in range(_ROUNDS):
             direction, word = self._once(lower, upper)
             if self._hard is None or word != "solved":
@@ -129,12 +129,12 @@ class LimitedQp:
         return direction, word
 
     @property
-    def holding(self) -> ActiveSet:
+    def active_set(self) -> ActiveSet:
         """What held at the last solution."""
         signs = np.sign(self._multipliers)
-        limits = signs[self._guards :]
+        limits = signs[self._constraints :]
         held = np.flatnonzero(limits)
-        return ActiveSet(signs[: self._guards], self.places[:, held], limits[held])
+        return ActiveSet(signs[: self._constraints], self.places[:, held], limits[held])
 
     def _scaled(self, bounds: Vector, nothing: float) -> Vector:
         """Return bounds for rows of length 1; rows that no step can change are left out."""

@@ -23,7 +23,7 @@ class Plan:
         u: constant over each stage, shape (N, n), m/s^2 and rad/s^2.
         levels: how each level ended, highest first.
         errors: of each level's task at the states 1 to N, shapes (N, s).
-        holding: what held at each level: a guess for the next solve.
+        active_sets: what held at each level: a guess for the next solve.
         solve_time: wall time [s].
     """
 
@@ -34,7 +34,7 @@ class Plan:
     u: Matrix
     levels: tuple[LevelStatus, ...]
     errors: tuple[Matrix, ...]
-    holding: tuple[ActiveSet, ...]
+    active_sets: tuple[ActiveSet, ...]
     solve_time: float
 
     @property
@@ -75,10 +75,10 @@ class Plan:
         count = len(self.u)
         elapsed = max((stamp - self.stamp) / self.step, 0.0)
         whole = int(elapsed + 1e-9)
-        part = max(elapsed - whole, 0.0)
-        if part < 1e-9:
-            part = 0.0
+        share = max(elapsed - whole, 0.0)
+        if share < 1e-9:
+            share = 0.0
         padded = np.zeros((count + 1, self.u.shape[1]))
         rest = self.u[whole:]
         padded[: len(rest)] = rest
-        return np.asarray((1.0 - part) * padded[:-1] + part * padded[1:])
+        return np.asarray((1.0 - share) * padded[:-1] + share * padded[1:])

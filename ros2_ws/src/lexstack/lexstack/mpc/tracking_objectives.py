@@ -150,7 +150,7 @@ class Task:
         return self._found(at)[1]
 
     def _found(self, at: StageKinematics) -> tuple[Matrix, float]:
-        """Return error and cost; levels and their guards ask for them again and again."""
+        """Return error and cost; levels and their constraints ask for them again and again."""
         if self not in at.found:
             error = self._measure.error(at, self.objective.reference)
             error.setflags(write=False)

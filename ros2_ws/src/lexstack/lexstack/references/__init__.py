@@ -1,7 +1,7 @@
 """References: where the end effectors and the bases shall be, and from when on.
 
-Robot A decides at which tick a target takes effect (``ReferenceSchedule``); whoever else needs the
-references follows its decisions (``ReferenceTimeline``).
+The controller decides at which tick a target takes effect (``ReferenceSchedule``); whoever else
+needs the references follows its decisions (``ReferenceTimeline``).
 """
 
 from typing import TYPE_CHECKING

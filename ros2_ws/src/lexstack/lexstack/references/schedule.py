@@ -1,4 +1,4 @@
-"""Which references hold from which tick on: robot A decides it, for everybody."""
+"""Which references hold from which tick on: the controller decides it, for everybody."""
 
 from __future__ import annotations
 

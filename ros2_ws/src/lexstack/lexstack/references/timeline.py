@@ -1,4 +1,4 @@
-"""Robot A's decisions on references, and the references that follow from them at any tick."""
+"""The controller's decisions on references, and what follows from them at any tick."""
 
 from __future__ import annotations
 

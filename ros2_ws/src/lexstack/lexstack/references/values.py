@@ -45,5 +45,5 @@ class Target:
 
 def measured(team: Team, q: Vector) -> References:
     """Return the poses at the stacked configuration q, shape (n,), as references."""
-    bases = tuple(np.array(q[part][:3], dtype=np.float64) for part in team.slices)
+    bases = tuple(np.array(q[columns][:3], dtype=np.float64) for columns in team.slices)
     return References(team.tools(q), bases)

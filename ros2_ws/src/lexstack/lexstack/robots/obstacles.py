@@ -63,6 +63,6 @@ class Obstacles:
             return self._starts
         centers: Matrix = self._starts + stamp * self._velocities
         if self._swing:
-            part = 0.5 - 0.5 * np.cos(stamp * self._rates)
-            centers += part[:, None] * self._swings
+            share = 0.5 - 0.5 * np.cos(stamp * self._rates)
+            centers += share[:, None] * self._swings
         return centers

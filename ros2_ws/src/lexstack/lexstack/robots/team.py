@@ -73,13 +73,15 @@ class Team:
     def tools(self, q: Vector) -> tuple[Pose, ...]:
         """Return each robot's tool pose at the stacked configuration q, shape (n,)."""
         return tuple(
-            robot.tool(q[part])[0] for robot, part in zip(self.robots, self.slices, strict=True)
+            robot.tool(q[columns])[0]
+            for robot, columns in zip(self.robots, self.slices, strict=True)
         )
 
     def kinematics(self, state: RobotState) -> Kinematics:
         """Return poses and Jacobians at the measured configuration of ``state``."""
         results = [
-            robot.tool(state.q[part]) for robot, part in zip(self.robots, self.slices, strict=True)
+            robot.tool(state.q[columns])
+            for robot, columns in zip(self.robots, self.slices, strict=True)
         ]
         return Kinematics(
             state,
@@ -91,7 +93,8 @@ class Team:
     def spheres(self, q: Vector) -> Spheres:
         """Return all collision spheres at the stacked configuration q, shape (n,)."""
         results = [
-            robot.spheres.at(q[part]) for robot, part in zip(self.robots, self.slices, strict=True)
+            robot.spheres.at(q[columns])
+            for robot, columns in zip(self.robots, self.slices, strict=True)
         ]
         radii, owners, moved_by = self._fixed
         return Spheres(
@@ -113,8 +116,8 @@ class Team:
         counts = [len(robot.spheres.radii) for robot in self.robots]
         owners = np.repeat(np.arange(len(self.robots)), counts)
         moved_by = np.zeros((len(owners), self.n))
-        for i, (robot, part) in enumerate(zip(self.robots, self.slices, strict=True)):
-            moved_by[owners == i, part] = robot.spheres.moved_by
+        for i, (robot, columns) in enumerate(zip(self.robots, self.slices, strict=True)):
+            moved_by[owners == i, columns] = robot.spheres.moved_by
         radii = np.concatenate([robot.spheres.radii for robot in self.robots])
         for array in (radii, owners, moved_by):
             array.setflags(write=False)

@@ -30,7 +30,7 @@ class Base:
         self.robots = (robot,)
         self._robot = robot
         start = team.slices[robot].start
-        self._part = slice(start, start + 3)
+        self._columns = slice(start, start + 3)
         self._matrix = np.eye(3, team.n, start)
         self._matrix.setflags(write=False)  # solvers may remember it
         self._gain = parameters.gain
@@ -43,6 +43,6 @@ class Base:
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return 3 rows: x and y [m/s], yaw [rad/s], in the world frame."""
-        error = references.base[self._robot] - kinematics.state.q_star[self._part]
+        error = references.base[self._robot] - kinematics.state.q_star[self._columns]
         error[2] = wrap(error[2])
         return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve)

@@ -32,11 +32,11 @@ class EePose:
         self.name = f"{team.names[robot]}/ee_pose"
         self.robots = (robot,)
         self._robot = robot
-        self._part = team.slices[robot]
+        self._columns = team.slices[robot]
         self._n = team.n
         self._parameters = parameters
         limits = (parameters.max_linear, parameters.max_angular)
-        self._curve = Curve(parameters.gain, (robot,), (self._part,), (1.0,), limits)
+        self._curve = Curve(parameters.gain, (robot,), (self._columns,), (1.0,), limits)
 
     @classmethod
     def from_config(cls, team: Team, robot: int, parameters: dict[str, Any], where: str) -> EePose:
@@ -51,7 +51,7 @@ class EePose:
         target[:3] = saturated(gain * error[:3], self._parameters.max_linear)
         target[3:] = saturated(gain * error[3:], self._parameters.max_angular)
         matrix = np.zeros((6, self._n))
-        matrix[:, self._part] = kinematics.jacobians[self._robot]
+        matrix[:, self._columns] = kinematics.jacobians[self._robot]
         return LinearTask.equality(self.name, matrix, target, self._curve)
 
 

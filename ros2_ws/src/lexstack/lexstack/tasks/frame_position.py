@@ -30,11 +30,11 @@ class EePosition:
         self.name = f"{team.names[robot]}/ee_position"
         self.robots = (robot,)
         self._robot = robot
-        self._part = team.slices[robot]
+        self._columns = team.slices[robot]
         self._n = team.n
         self._parameters = parameters
         limits = (parameters.max_linear,)
-        self._curve = Curve(parameters.gain, (robot,), (self._part,), (1.0,), limits)
+        self._curve = Curve(parameters.gain, (robot,), (self._columns,), (1.0,), limits)
 
     @classmethod
     def from_config(
@@ -48,5 +48,5 @@ class EePosition:
         error = references.ee[self._robot].position - kinematics.tools[self._robot].position
         target = saturated(self._parameters.gain * error, self._parameters.max_linear)
         matrix = np.zeros((3, self._n))
-        matrix[:, self._part] = kinematics.jacobians[self._robot][:3]
+        matrix[:, self._columns] = kinematics.jacobians[self._robot][:3]
         return LinearTask.equality(self.name, matrix, target, self._curve)

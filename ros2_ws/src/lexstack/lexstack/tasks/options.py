@@ -58,8 +58,8 @@ class StackConfig:
     # the highest priority first
     levels: Annotated[tuple[LevelConfig, ...], NotEmpty("a stack needs at least one level")]
     robots: tuple[str, ...] = ()  # that it moves; empty: all of the team
-    # Who solves it in a transition. htmpc: robot A follows the MPC's plan for as long as it is on
-    # this stack, and serves its levels where the plan is lost.
+    # Who solves it in a transition. htmpc: the controller follows the MPC's plan for as long as it
+    # is on this stack, and serves its levels where the plan is lost.
     source: Literal["robot_b", "htmpc"] = "robot_b"
     limits: dict[str, dict[str, JointLimitConfig]] = field(default_factory=dict)  # robot, joint
 

@@ -33,7 +33,7 @@ class Posture:
         self.robots = (robot,)
         self._target = posture_target(team.robots[robot], parameters, where)
         start = team.slices[robot].stop - len(self._target)
-        self._part = slice(start, team.slices[robot].stop)
+        self._columns = slice(start, team.slices[robot].stop)
         self._matrix = np.eye(len(self._target), team.n, start)
         self._matrix.setflags(write=False)  # solvers may remember it
         self._gain = parameters.gain
@@ -46,7 +46,7 @@ class Posture:
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return one row per arm joint [rad/s]."""
-        error = self._target - kinematics.state.q_star[self._part]
+        error = self._target - kinematics.state.q_star[self._columns]
         return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve)
 
 

@@ -61,12 +61,12 @@ class RelativePose:
         self.name = f"{team.names[robot]}/relative_pose"
         self.robots = (robot, other)
         self._robots = robot, other
-        self._parts = team.slices[robot], team.slices[other]
+        self._columns = team.slices[robot], team.slices[other]
         self._n = team.n
         self._parameters = parameters
         limits = (parameters.max_linear, parameters.max_angular)
         signs = (-1.0, 1.0)
-        self._curve = Curve(parameters.gain, self._robots, self._parts, signs, limits)
+        self._curve = Curve(parameters.gain, self._robots, self._columns, signs, limits)
 
     @classmethod
     def from_config(
@@ -86,9 +86,9 @@ class RelativePose:
         held = kinematics.jacobians[one]
         lever = goal.position - kinematics.tools[one].position
         matrix = np.zeros((6, self._n))
-        matrix[:, self._parts[0]] = -held
-        matrix[:3, self._parts[0]] += cross(lever) @ held[3:]
-        matrix[:, self._parts[1]] = kinematics.jacobians[other]
+        matrix[:, self._columns[0]] = -held
+        matrix[:3, self._columns[0]] += cross(lever) @ held[3:]
+        matrix[:, self._columns[1]] = kinematics.jacobians[other]
         return LinearTask.equality(self.name, matrix, target, self._curve)
 
 

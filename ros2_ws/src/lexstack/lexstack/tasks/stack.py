@@ -51,7 +51,8 @@ class Stack:
         levels: highest first.
         limits: of all joints while this stack is in effect; None: the robots' own.
         robots: places in the team of the robots that it moves; None: all.
-        planned: whether A follows the MPC's plan on it; its levels stand in for a lost one.
+        planned: whether the controller follows the MPC's plan on it; its levels stand in for a lost
+            one.
     """
 
     name: str
@@ -61,7 +62,7 @@ class Stack:
     planned: bool = False
 
     def first(self, kinematics: Kinematics, references: References) -> tuple[LinearTask, ...]:
-        """Return level 1 made linear, which A keeps above the way to a source; none on a plan."""
+        """Return level 1 made linear, kept above the way to a source; none on a plan."""
         return () if self.planned else self.levels[0].linearise(kinematics, references)
 
     def linearise(

@@ -26,11 +26,11 @@ class VelocityDamping:
 
     def __init__(self, team: Team, robot: int, parameters: VelocityDampingParameters) -> None:
         """Make the task of the robot at place ``robot`` of the team."""
-        part = team.slices[robot]
-        n = part.stop - part.start
+        columns = team.slices[robot]
+        n = columns.stop - columns.start
         self.name = f"{team.names[robot]}/velocity_damping"
         self.robots = (robot,)
-        self._matrix = np.eye(n, team.n, part.start)
+        self._matrix = np.eye(n, team.n, columns.start)
         self._matrix[:3] *= parameters.base_cost
         self._matrix[3:] *= parameters.arm_cost
         self._matrix.setflags(write=False)  # solvers may remember it

@@ -33,14 +33,14 @@ class Blend:
     """A blend under way.
 
     Attributes:
-        way: from which stack to which one, for which request.
+        route: from which stack to which one, for which request.
         source: whose chi it follows.
         start: the tick at which alpha is 0.
         duration: in which alpha rises to 1 [s].
         bridge: the gaps that were latched there, and what is carried over at this tick.
         source_chi: the source's optimum of this tick, shape (n,).
         step: how far the command would have moved at the start, without the latch, shape (n,).
-        carry: the motion of the gap at its latch, None where it has none.
+        gap_motion: the motion of the gap at its latch, None where it has none.
         drift: how far the source's optimum has moved since the tick before, without what new
             targets moved in it, shape (n,).
         progress: alpha of this tick, and its rate where the profile has a state.
@@ -50,14 +50,14 @@ class Blend:
         tally: of losses and sets of targets within this blend.
     """
 
-    way: Route
+    route: Route
     source: Source
     start: int
     duration: float
     bridge: Bridge
     source_chi: Vector
     step: Vector
-    carry: GapMotion | None = None
+    gap_motion: GapMotion | None = None
     drift: Vector | None = None
     progress: Progress = _START
     alone: bool = False
@@ -68,7 +68,7 @@ class Blend:
     @property
     def request(self) -> SwitchRequest:
         """The request that it serves."""
-        return self.way.request
+        return self.route.request
 
     @property
     def timed(self) -> TimedProfile | None:
@@ -79,48 +79,48 @@ class Blend:
     @classmethod
     def latched(
         cls,
-        way: Route,
+        route: Route,
         source: tuple[Source, Vector],
         level: tuple[LinearTask, ...],
-        past: LatchState,
+        latch_state: LatchState,
         context: TickContext,
     ) -> Blend:
         """Return a blend that starts at this tick: delta and epsilon latched, alpha at 0.
 
         Args:
-            way: from which stack to which one.
+            route: from which stack to which one.
             source: whom to follow, and its chi of this tick, shape (n,).
             level: level 1 of the target at this tick.
-            past: how the robots would go on without the latch.
+            latch_state: how the robots would go on without the latch.
             context: of this tick.
         """
-        bridge = latch(past.start, source[1], level, past.level_goes_on)
-        if past.carry is not None and past.carry.older:
+        bridge = latch(latch_state.start, source[1], level, latch_state.level_goes_on)
+        if latch_state.gap_motion is not None and latch_state.gap_motion.older:
             # A slip of an earlier latch keeps its own fading time; delta is the rest of the gap.
-            fading = past.carry.at(0.0)
-            bridge = replace(bridge, delta=bridge.delta - fading, carried=fading)
-        step = past.start - context.kinematics.state.command
+            fading = latch_state.gap_motion.at(0.0)
+            bridge = replace(bridge, delta=bridge.delta - fading, motion=fading)
+        step = latch_state.start - context.kinematics.state.command
         return cls(
-            way,
+            route,
             source[0],
             context.tick,
-            way.request.duration,
+            route.request.duration,
             bridge,
             source[1],
             step,
-            past.carry,
-            recent=past.recent,
+            latch_state.gap_motion,
+            recent=latch_state.recent,
         )
 
-    def of(self, part: RobotGroup) -> Blend:
+    def of(self, group: RobotGroup) -> Blend:
         """Return the blend of some of its robots, unchanged otherwise."""
-        way = self.way.of(part)
-        target = self.way.target
+        route = self.route.of(group)
+        target = self.route.target
         epsilon, tasks = self.bridge.epsilon, () if target.planned else target.levels[0].tasks
         if epsilon is not None:
-            kept = [set(task.robots) <= set(part.robots) for task in tasks]
+            kept = [set(task.robots) <= set(group.robots) for task in tasks]
             epsilon = tuple(gap for gap, mine in zip(epsilon, kept, strict=True) if mine)
-        return replace(self, way=way, bridge=replace(self.bridge, epsilon=epsilon))
+        return replace(self, route=route, bridge=replace(self.bridge, epsilon=epsilon))
 
     def advanced(
         self, chi: Vector, tick: int, context: TickContext, *, unsteady: bool = False
@@ -135,19 +135,19 @@ class Blend:
         progress = PROFILES[self.request.profile].advanced(
             self.progress, elapsed, self.duration, lambda: self._fading(drift, context)
         )
-        carry, bridge = self.carry, self.bridge
+        gap_motion, bridge = self.gap_motion, self.bridge
         if tick == self.start + 1 and self.recent <= _PAIR and not unsteady:
-            carry = None
+            gap_motion = None
             if self.timed is not None:
-                moved, mine = self.step - drift, self.way.part.columns
-                carry = with_mismatch(self.carry, moved, mine, self.duration, context)
-        if carry is not None:
-            bridge = replace(bridge, carried=carry.at(elapsed))
+                moved, mine = self.step - drift, self.route.group.columns
+                gap_motion = with_mismatch(self.gap_motion, moved, mine, self.duration, context)
+        if gap_motion is not None:
+            bridge = replace(bridge, motion=gap_motion.at(elapsed))
         known = self.drift if unsteady else drift
         # Not by dataclasses.replace, which takes three times as long.
-        latched = (self.way, self.source, self.start, self.duration, bridge, chi, self.step)
+        latched = (self.route, self.source, self.start, self.duration, bridge, chi, self.step)
         rest = (self.alone, self.end, self.recent, self.tally)
-        return Blend(*latched, carry, known, progress, *rest)
+        return Blend(*latched, gap_motion, known, progress, *rest)
 
     def jumps(self, chi: Vector, context: TickContext) -> bool:
         """Return whether the source's chi (n,) moves by more than the joints follow in one tick.
@@ -155,9 +155,9 @@ class Blend:
         Its motion of the tick before, where that is known, is taken off first. A plan never counts
         as a jump.
         """
-        if self.way.target.planned:
+        if self.route.target.planned:
             return False
-        mine, moved = self.way.part.columns, chi - self.source_chi
+        mine, moved = self.route.group.columns, chi - self.source_chi
         jump = moved if self.drift is None else moved - self.drift
         return bool((np.abs(jump[mine]) > context.reach[mine]).any())
 
@@ -170,26 +170,26 @@ class Blend:
     def problem(self, level: tuple[LinearTask, ...], context: TickContext) -> HqpProblem:
         """Return what the request's method asks for at this tick; ``level`` is the new level 1."""
         state = (context.kinematics, context.references)
-        way = self.way
+        route = self.route
         view = View(
-            way.part,
+            route.group,
             level,
             self.source_chi,
             new=lambda: self._new(context),
-            old=lambda: way.origin.linearise(*state),
+            old=lambda: route.origin.linearise(*state),
             context=context,
         )
         return METHODS[self.request.method](view, self.bridge, self.progress.alpha)
 
     def _new(self, context: TickContext) -> tuple[tuple[LinearTask, ...], ...]:
         """Return all levels of the target stack; of a planned one only to follow the plan."""
-        way = self.way
-        if way.target.planned:
-            return (way.part.follow(self.source_chi),)
-        return way.target.linearise(context.kinematics, context.references)
+        route = self.route
+        if route.target.planned:
+            return (route.group.follow(self.source_chi),)
+        return route.target.linearise(context.kinematics, context.references)
 
     def _fading(self, drift: Vector, context: TickContext) -> FadingGap:
         """Return the gap of the robots that are on their way, and their limits."""
-        mine, limits = self.way.part.columns, context.limits
+        mine, limits = self.route.group.columns, context.limits
         motion = self.bridge.delta[mine], drift[mine] / context.dt
         return FadingGap(*motion, limits.acceleration[mine], limits.jerk[mine], context.dt)

@@ -31,13 +31,13 @@ class Bridge:
         epsilon: per task of level 1 the residual of chi_A, zero for inequality rows; or None where
             level 1 goes on as it was: then its optimum is not changed, and strictness holds through
             the transition.
-        carried: what the gap of this tick has besides (1 - alpha) delta, shape (n,), as of
+        motion: what the gap of this tick has besides (1 - alpha) delta, shape (n,), as of
             ``GapMotion.at``.
     """
 
     delta: Vector
     epsilon: tuple[Vector, ...] | None
-    carried: Vector | None = None
+    motion: Vector | None = None
 
 
 def latch(
@@ -67,8 +67,8 @@ def bridged(
             _moved_by(task, rest * gap) for task, gap in zip(level, bridge.epsilon, strict=True)
         )
     target = source + rest * bridge.delta
-    if bridge.carried is not None:
-        target += bridge.carried
+    if bridge.motion is not None:
+        target += bridge.motion
     return first, target
 
 

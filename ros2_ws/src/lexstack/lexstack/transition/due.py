@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from lexstack.tasks.stack import Stack
 from lexstack.transition.channels.channel import Channel
-from lexstack.transition.channels.lineup import PartOf, as_asked, coupling
+from lexstack.transition.channels.lineup import GroupOf, as_requested, coupling
 from lexstack.transition.requests import SwitchRequest
 from lexstack.transition.sources.inbox import Choice
 
@@ -29,7 +29,7 @@ class Due:
     dropped: tuple[tuple[SwitchRequest, str], ...] = ()
 
     @property
-    def asked(self) -> bool:
+    def requested(self) -> bool:
         """Whether any request is due."""
         return bool(self.starting or self.waiting or self.dropped)
 
@@ -37,11 +37,11 @@ class Due:
     def decided(
         cls,
         tick: int,
-        asked: Iterable[SwitchRequest],
+        requested: Iterable[SwitchRequest],
         first: Callable[[SwitchRequest], Choice | None],
         channels: Sequence[Channel],
         stacks: Mapping[str, Stack],
-        part_of: PartOf,
+        group_of: GroupOf,
     ) -> Due:
         """Return what becomes of each request whose tick has come.
 
@@ -50,24 +50,24 @@ class Due:
 
         Args:
             tick: that is to be served.
-            asked: the requests, the older ones first.
+            requested: the requests, the older ones first.
             first: returns whom a request's robots would follow; None: the wait goes on.
             channels: of all robots.
             stacks: all that may be asked for, by name.
-            part_of: makes the part of some robots.
+            group_of: makes the group of some robots.
         """
         starting, waiting, dropped = [], [], []
         held = set[int]()
-        for request in asked:
+        for request in requested:
             choice = first(request)
             if choice is None or held.intersection(request.robots):
                 waiting.append(request)
                 held.update(request.robots)
                 continue
-            coupled = coupling(channels, part_of(request.robots))
+            coupled = coupling(channels, group_of(request.robots))
             if coupled:
                 dropped.append((request, coupled))
                 continue
             starting.append((request, choice))
-            channels = as_asked(channels, [request], stacks, part_of)
+            channels = as_requested(channels, [request], stacks, group_of)
         return cls(tick, tuple(starting), tuple(waiting), tuple(dropped))

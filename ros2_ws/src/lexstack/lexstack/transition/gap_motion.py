@@ -4,13 +4,13 @@ A gap that is latched while the command accelerates would begin to fade from res
 would jump. The gap d(t) = chi_A - chi_S therefore begins with what is known of its motion, and the
 quintics H_1, H_2 lead its rate and its second derivative to zero in the time T of the blend:
 
-    d(t) = (1 - alpha) delta + T H_1(t/T) d'(t0) + T^2 H_2(t/T) d''(t0) + tau H_1(t/tau) slip
+    d(t) = (1 - alpha) delta + T H_1(t/T) d'(t0) + T^2 H_2(t/T) d''(t0) + tau H_1(t/tau) mismatch
     H_1(s) = s - 6 s^3 + 8 s^4 - 3 s^5          H_2(s) = (s^2 - 3 s^3 + 3 s^4 - s^5) / 2
 
-d' and d'' are those of the gap that was fading before. slip is what is left of the difference of
-the accelerations of the command and of the source; it shows one tick after the latch, and as it is
-a difference of two messages it is faded out in a short time tau. A slip that still fades when the
-next gap is latched goes on to fade beside it, in its own time: as a part of d' and d'' its
+d' and d'' are those of the gap that was fading before. mismatch is what is left of the difference
+of the accelerations of the command and of the source; it shows one tick after the latch, and as it
+is a difference of two messages it is faded out in a short time tau. A mismatch that still fades
+when the next gap is latched goes on to fade beside it, in its own time: as a part of d' and d'' its
 curvature of tau would be faded out in T, and drive the command far off, farther with every latch.
 """
 
@@ -24,8 +24,8 @@ from lexstack.transition.robot_group import Columns
 from lexstack.transition.tick_context import TickContext
 from lexstack.types import Vector
 
-Slip = tuple[Vector, float, float]
-"""A slip of a latch before, shape (n,), the time since that latch [s], and its tau [s]."""
+Mismatch = tuple[Vector, float, float]
+"""A mismatch of a latch before, shape (n,), the time since that latch [s], and its tau [s]."""
 
 _SHORT = 0.2  # s, tau; a jump of the source by x makes an excursion of about 4 x at 100 Hz
 _JUMP = 5.0  # of a joint's acceleration limit: more is no acceleration, but a jump of the source
@@ -41,14 +41,14 @@ class GapMotion:
         curvature: d'', m/s^3 and rad/s^3.
         duration: T [s].
         acceleration_mismatch: m/s^2 and rad/s^2; None until it is known.
-        older: slips of latches before, which still fade.
+        older: mismatches of latches before, which still fade.
     """
 
     rate: Vector
     curvature: Vector
     duration: float
     acceleration_mismatch: Vector | None = None
-    older: tuple[Slip, ...] = ()
+    older: tuple[Mismatch, ...] = ()
 
     @classmethod
     def none(cls, n: int, duration: float) -> GapMotion:
@@ -56,12 +56,12 @@ class GapMotion:
         zeros = np.zeros(n)
         return cls(zeros, zeros, duration)
 
-    def with_part(self, columns: Columns, other: GapMotion) -> GapMotion:
+    def with_columns(self, columns: Columns, other: GapMotion) -> GapMotion:
         """Return it with the motion of another one on some joints, where it has none itself."""
-        speed, bend = self.rate.copy(), self.curvature.copy()
-        speed[columns], bend[columns] = other.rate[columns], other.curvature[columns]
-        older = tuple((_on(columns, slip), age, tau) for slip, age, tau in other.older)
-        return replace(self, rate=speed, curvature=bend, older=(*self.older, *older))
+        rate, curvature = self.rate.copy(), self.curvature.copy()
+        rate[columns], curvature[columns] = other.rate[columns], other.curvature[columns]
+        older = tuple((_on(columns, mismatch), age, tau) for mismatch, age, tau in other.older)
+        return replace(self, rate=rate, curvature=curvature, older=(*self.older, *older))
 
     def at(self, elapsed: float) -> Vector:
         """Return its part of the gap ``elapsed`` seconds after the latch, shape (n,)."""
@@ -69,27 +69,27 @@ class GapMotion:
         if self.acceleration_mismatch is not None:
             tau = min(_SHORT, self.duration)
             value += (tau * _quintics(elapsed / tau)[0]) * self.acceleration_mismatch
-        for slip, age, tau in self.older:
-            value += (tau * _quintics((age + elapsed) / tau)[0]) * slip
+        for mismatch, age, tau in self.older:
+            value += (tau * _quintics((age + elapsed) / tau)[0]) * mismatch
         return value
 
     def lasting(self, elapsed: float) -> Vector:
-        """Return what ``at`` does, without the slips."""
-        by_speed, by_bend = _quintics(elapsed / self.duration)
-        value = (self.duration * by_speed) * self.rate
-        value += (self.duration**2 * by_bend) * self.curvature
+        """Return what ``at`` does, without the mismatches."""
+        by_rate, by_curvature = _quintics(elapsed / self.duration)
+        value = (self.duration * by_rate) * self.rate
+        value += (self.duration**2 * by_curvature) * self.curvature
         return value
 
-    def fading(self, elapsed: float) -> tuple[Slip, ...]:
-        """Return the slips that still fade ``elapsed`` seconds after the latch."""
-        slips = [(slip, age + elapsed, tau) for slip, age, tau in self.older]
+    def fading(self, elapsed: float) -> tuple[Mismatch, ...]:
+        """Return the mismatches that still fade ``elapsed`` seconds after the latch."""
+        mismatches = [(mismatch, age + elapsed, tau) for mismatch, age, tau in self.older]
         if self.acceleration_mismatch is not None:
-            slips.append((self.acceleration_mismatch, elapsed, min(_SHORT, self.duration)))
-        return tuple(entry for entry in slips if entry[1] < entry[2])
+            mismatches.append((self.acceleration_mismatch, elapsed, min(_SHORT, self.duration)))
+        return tuple(entry for entry in mismatches if entry[1] < entry[2])
 
 
 def with_mismatch(
-    carry: GapMotion | None,
+    gap_motion: GapMotion | None,
     moved: Vector,
     columns: Columns,
     duration: float,
@@ -98,26 +98,32 @@ def with_mismatch(
     """Return the motion of a gap, now that the source's step from tick to tick is known.
 
     Args:
-        carry: what was known at the latch, None where the gap had no motion.
+        gap_motion: what was known at the latch, None where the gap had no motion.
         moved: the command's step at the latch less the source's step after it, shape (n,).
         columns: the joints of the robots on their way.
         duration: of the blend [s].
         context: of the tick after the latch.
     """
-    # Over dt the difference of the two steps is the gap's rate. What ``carry`` has of it already is
-    # taken off.
-    slip = moved / context.dt
+    # Over dt the difference of the two steps is the gap's rate. What ``gap_motion`` has of it
+    # already is taken off.
+    mismatch = moved / context.dt
     limit = context.limits.acceleration
-    if carry is not None:
-        slip -= (carry.at(context.dt) - carry.at(0.0)) / context.dt if carry.older else carry.rate
+    if gap_motion is not None:
+        mismatch -= (
+            (gap_motion.at(context.dt) - gap_motion.at(0.0)) / context.dt
+            if gap_motion.older
+            else gap_motion.rate
+        )
     # Joint by joint, so that robots do not affect each other. At most the acceleration limit; a
     # difference far beyond it is no acceleration, but a jump of the source, and counts as none.
-    size = np.abs(slip)
-    np.minimum(np.maximum(slip, -limit), limit, out=slip)
-    slip[(size <= _FELT * limit) | (size > _JUMP * limit)] = 0.0
-    if not slip[columns].any():
-        return carry
-    return replace(carry or GapMotion.none(slip.size, duration), acceleration_mismatch=slip)
+    size = np.abs(mismatch)
+    np.minimum(np.maximum(mismatch, -limit), limit, out=mismatch)
+    mismatch[(size <= _FELT * limit) | (size > _JUMP * limit)] = 0.0
+    if not mismatch[columns].any():
+        return gap_motion
+    return replace(
+        gap_motion or GapMotion.none(mismatch.size, duration), acceleration_mismatch=mismatch
+    )
 
 
 def _on(columns: Columns, vector: Vector) -> Vector:

@@ -19,7 +19,7 @@ def left_by(
     """Return what a blend, given up at ``tick``, leaves to the next one of ``duration`` [s].
 
     In a blend the command follows chi(t) = chi_S(t) + d(t), with the source's optimum chi_S and
-    the gap d(t) = (1 - alpha) delta + what ``carry`` adds. The next blend begins with the step
+    the gap d(t) = (1 - alpha) delta + what ``gap_motion`` adds. The next blend begins with the step
     that this would have made now, so that the velocity goes on as it was, and with the rate and
     the second derivative of d, so that the gap's part of the acceleration does. The source's
     part is known one tick later (``with_mismatch``).
@@ -29,11 +29,13 @@ def left_by(
         of the gap, None where it has none to keep.
     """
     if tick == blend.start:  # given up before it began: there is no tick before to compare with
-        return blend.step, None if blend.carry is None else replace(blend.carry, duration=duration)
+        return blend.step, None if blend.gap_motion is None else replace(
+            blend.gap_motion, duration=duration
+        )
     # The source's part of the step. Its chi of this tick may be the very jump that ends this
     # blend, so it is taken to move as it did in the tick before.
     step = np.zeros_like(blend.step) if blend.drift is None else blend.drift
-    carry = None
+    gap_motion = None
     # Without a d(t) that is known ahead nothing is kept: the next blend begins from rest.
     if blend.timed is not None:
         times = tuple((tick + k - blend.start) * context.dt for k in (-1, 0, 1))
@@ -47,17 +49,17 @@ def left_by(
         # drive the command far off, farther with every latch.
         before, now, after = (_gap(blend, time, slips=False) for time in times)
         speed, bend = (after - before) / (2.0 * context.dt), (after - 2.0 * now + before)
-        older = () if blend.carry is None else blend.carry.fading(times[1])
-        carry = GapMotion(speed, bend / context.dt**2, duration, older=older)
+        older = () if blend.gap_motion is None else blend.gap_motion.fading(times[1])
+        gap_motion = GapMotion(speed, bend / context.dt**2, duration, older=older)
     # A step beyond the acceleration limit is no motion that the command could have made.
     reach = context.limits.acceleration * context.dt
-    return np.minimum(np.maximum(step, -reach), reach), carry
+    return np.minimum(np.maximum(step, -reach), reach), gap_motion
 
 
 def _gap(blend: Blend, elapsed: float, *, slips: bool = True) -> Vector:
     """Return the gap after ``elapsed`` seconds, shape (n,), with the slips or without them."""
     gap = (1.0 - alpha(blend.request.profile, elapsed, blend.duration)) * blend.bridge.delta
-    if blend.carry is None:
+    if blend.gap_motion is None:
         return gap
-    moved = blend.carry.at if slips else blend.carry.lasting
+    moved = blend.gap_motion.at if slips else blend.gap_motion.lasting
     return gap + moved(max(elapsed, 0.0))

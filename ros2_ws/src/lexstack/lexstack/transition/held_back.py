@@ -22,20 +22,20 @@ _RANK = 1e-8  # of a level's norm, as in the solver
 _PART = 0.3  # of the unit vector of a weak direction: joints that have less are not named
 
 
-def at_velocity_limit(part: RobotGroup, chi: Vector, velocity: Vector) -> bool:
+def at_velocity_limit(group: RobotGroup, chi: Vector, velocity: Vector) -> bool:
     """Return whether a joint of some robots is at its velocity limit in a chi of shape (n,).
 
     Args:
-        part: the robots.
+        group: the robots.
         chi: of a source.
         velocity: the limits, shape (n,).
     """
-    mine = part.columns
+    mine = group.columns
     return bool((np.abs(chi[mine]) >= _AT_LIMIT * velocity[mine]).any())
 
 
 def held_back(
-    part: RobotGroup, levels: tuple[tuple[LinearTask, ...], ...], velocity: Vector
+    group: RobotGroup, levels: tuple[tuple[LinearTask, ...], ...], velocity: Vector
 ) -> str:
     """Return which level asks for more than the velocity limits near a singularity, or ''.
 
@@ -43,12 +43,12 @@ def held_back(
     free, and the optimum without any limits. Inequality rows are left out.
 
     Args:
-        part: the robots that the levels move.
+        group: the robots that the levels move.
         levels: of the stack, the highest first.
         velocity: the limits, shape (n,).
     """
-    mine, names = part.columns, part.team.joint_names
-    joints = np.arange(part.team.n)[mine]
+    mine, names = group.columns, group.team.joint_names
+    joints = np.arange(group.team.n)[mine]
     free, chi = np.eye(joints.size), np.zeros(joints.size)
     for k, level in enumerate(levels):
         equal = [(task, task.lower == task.upper) for task in level]
@@ -67,7 +67,7 @@ def held_back(
             place = int(over.argmax())
             if over[place] > 1.0:
                 joint = joints[place]
-                robot = next(one for one in part.team.slices if one.start <= joint < one.stop)
+                robot = next(one for one in group.team.slices if one.start <= joint < one.stop)
                 which = " + ".join(task.name for task in level if task.matrix[:, robot].any())
                 least = sigma[weak[:, place].argmax() + np.count_nonzero(sigma >= HELD_BACK)]
                 return (

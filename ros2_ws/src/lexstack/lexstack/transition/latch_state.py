@@ -17,11 +17,11 @@ class LatchState:
     Attributes:
         start: chi_A, the command that would be sent at this tick, shape (n,).
         level_goes_on: whether level 1 has the same rows and targets as before.
-        carry: the motion of the gap that was fading, None where there was none.
+        gap_motion: the motion of the gap that was fading, None where there was none.
         recent: how many latches came before this one, each within ``HURRY`` of the next.
     """
 
     start: Vector
     level_goes_on: bool
-    carry: GapMotion | None
+    gap_motion: GapMotion | None
     recent: int = 0

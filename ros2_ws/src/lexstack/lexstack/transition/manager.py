@@ -12,9 +12,9 @@ from lexstack.robots import Team
 from lexstack.tasks.stack import AT_REST, Stack
 from lexstack.transition.cancellation import Cancellation
 from lexstack.transition.channel_problem import Plans
-from lexstack.transition.channels.channel import Channel, asked_of
+from lexstack.transition.channels.channel import Channel, source_of
 from lexstack.transition.channels.gathering import begin, together
-from lexstack.transition.channels.lineup import as_asked, coupling, some_of
+from lexstack.transition.channels.lineup import as_requested, coupling, some_of
 from lexstack.transition.due import Due
 from lexstack.transition.messages import Announcement, SourceSample, TransitionState
 from lexstack.transition.methods import METHODS
@@ -24,7 +24,7 @@ from lexstack.transition.requests import Answer, RequestBook, SwitchRequest
 from lexstack.transition.robot_group import RobotGroups
 from lexstack.transition.sources.announcements import Announcer, wanted_of
 from lexstack.transition.sources.inbox import Choice, LocalSource, Sources
-from lexstack.transition.sources.mpc_plans import HeardPlan, PlanBook
+from lexstack.transition.sources.mpc_plans import HeardPlan, MpcPlans
 from lexstack.transition.sources.partial_samples import PartialSampleMerger
 from lexstack.transition.status_report import coming, transition_state
 from lexstack.transition.tick_context import TickContext
@@ -69,18 +69,18 @@ class Transition:
         self._stacks = stacks
         self._team = team
         self._whose = whose
-        self._joiner = PartialSampleMerger(team)
+        self._merger = PartialSampleMerger(team)
         self._sources = Sources(local, options)
-        self._plans = PlanBook(team, options)
+        self._plans = MpcPlans(team, options)
         self._book = RequestBook(whose, METHODS, options.switch, unfit, horizon=options.horizon)
         self._adopts = options.switch.at_end == "adopt"
         self._lockstep = options.lockstep
-        self._asked = RequestedLimits(team.limits, always=options.limit_jerk)
+        self._requested_limits = RequestedLimits(team.limits, always=options.limit_jerk)
         self._announcer = Announcer()
         self._tick = 0
-        self._part = RobotGroups(team)
+        self._group = RobotGroups(team)
         initial = stacks[options.initial].of(everyone)
-        first = Channel(self._part(everyone), (initial,), initial.name)
+        first = Channel(self._group(everyone), (initial,), initial.name)
         self._channels: tuple[Channel, ...] = (first,)
 
     @property
@@ -110,7 +110,7 @@ class Transition:
             some, refusal = some_of(self._stacks[stack], robots, moved, self._team)
             if refusal:
                 return Answer(False, refusal)
-        refusal = self._refusal(stack, at_tick, some)
+        refusal = self._rejection_reason(stack, at_tick, some)
         if refusal:
             return Answer(False, refusal)
         return self._book.ask(stack, duration, method, at_tick, self._tick, robots=some)
@@ -151,7 +151,7 @@ class Transition:
     def hear(self, sample: SourceSample) -> None:
         """Take the source's newest chi of a transition."""
         needed = self._whose.get(sample.stack, ())
-        whole = self._joiner.join(sample, needed)
+        whole = self._merger.join(sample, needed)
         if whole is not None:
             self._sources.hear(whole)
 
@@ -174,7 +174,7 @@ class Transition:
         return any(
             self._needs(channel, tick, revision)
             for channel in self._channels
-            if channel.blend is not None and not leaving.issuperset(channel.part.robots)
+            if channel.blend is not None and not leaving.issuperset(channel.group.robots)
         )
 
     def take_announcements(self) -> list[Announcement]:
@@ -185,7 +185,7 @@ class Transition:
         news = self._announcer.changes(wanted)
         if news:
             self._sources.keep(wanted)
-            self._joiner.keep(wanted)
+            self._merger.keep(wanted)
         return news
 
     # ---- the tick
@@ -197,20 +197,20 @@ class Transition:
             tick: that is to be served.
             revision: of the references in effect at it; None: not known.
         """
-        asked = self._book.peek(tick)
-        self._sample_plans(asked, tick)
-        if not asked:
+        requested = self._book.peek(tick)
+        self._sample_plans(requested, tick)
+        if not requested:
             return Due(tick)
 
         def first(request: SwitchRequest) -> Choice | None:
-            source = asked_of(self._stacks[request.stack])
+            source = source_of(self._stacks[request.stack])
             return self._sources.first(request.id, request.at_tick, tick, revision, source)
 
-        return Due.decided(tick, asked, first, self._channels, self._stacks, self._part)
+        return Due.decided(tick, requested, first, self._channels, self._stacks, self._group)
 
     def limits(self, due: Due) -> tuple[JointLimits, bool]:
         """Return the limits that a tick asks for, and whether a method limits jerk."""
-        return self._asked.of(of_tick(self._channels, due, self._stacks, self._part))
+        return self._requested_limits.of(of_tick(self._channels, due, self._stacks, self._group))
 
     def step(self, due: Due, context: TickContext) -> Plans:
         """Return what the controller solves at this tick.
@@ -223,24 +223,24 @@ class Transition:
             context: of this tick.
         """
         self._tick = due.tick
-        if due.asked:
+        if due.requested:
             self._book.due(due.tick, due.waiting)
             for request, coupled in due.dropped:
                 self._drop(request, coupled)
             for starting in due.starting:
-                parts = self._stacks, self._sources, self._part
-                self._channels = begin(self._channels, starting, *parts, context)
+                groups = self._stacks, self._sources, self._group
+                self._channels = begin(self._channels, starting, *groups, context)
         held = {robot for request in due.waiting for robot in request.robots}
         channels, plans = [], []
         for channel in self._channels:
             before = channel.used or context.references
-            now = before if held and held.intersection(channel.part.robots) else context.references
+            now = before if held and held.intersection(channel.group.robots) else context.references
             mine = context.between(before, now)
             after, plan = channel.step(mine, self._sources, adopts=self._adopts)
             channels.append(after)
             plans.append(plan)
         self._channels = tuple(channels)
-        return Plans.of(plans, [channel.part.columns for channel in channels])
+        return Plans.of(plans, [channel.group.columns for channel in channels])
 
     def finish(self, plans: Plans, chi: Vector) -> tuple[TransitionState, ...]:
         """Return the states to report for this tick, given its chi (n,); adopt at the end."""
@@ -253,7 +253,7 @@ class Transition:
         channels = tuple(
             channel.finished(plan, self._sources, adopts=self._adopts) for channel, plan in pairs
         )
-        self._channels = channels if len(channels) == 1 else together(channels, self._part)
+        self._channels = channels if len(channels) == 1 else together(channels, self._group)
         return states
 
     # ---- inside
@@ -263,8 +263,8 @@ class Transition:
         blends = [channel.blend for channel in self._channels if channel.blend is not None]
         if not blends and not due:
             return
-        followed = {blend.request.id: blend.way for blend in blends if blend.way.target.planned}
-        wanted = {id_: way.part.robots for id_, way in followed.items()}
+        followed = {blend.request.id: blend.route for blend in blends if blend.route.target.planned}
+        wanted = {id_: route.group.robots for id_, route in followed.items()}
         wanted |= {r.id: r.robots for r in due if self._stacks[r.stack].planned}
         for id_, robots in wanted.items():
             chi = self._plans.sample(robots, tick)
@@ -273,10 +273,10 @@ class Transition:
 
     def _drop(self, request: SwitchRequest, why: str) -> None:
         """Show in the state of its robots why a request is not served."""
-        part = self._part(request.robots)
+        group = self._group(request.robots)
         reason = f"transition {request.id} to {request.stack!r} is dropped: {why}"
         self._channels = tuple(
-            replace(each, reason=reason) if part.shares(each.part) else each
+            replace(each, reason=reason) if group.shares(each.group) else each
             for each in self._channels
         )
 
@@ -288,21 +288,23 @@ class Transition:
         if self._sources.fresh(blend.request.id, tick, revision) is not None:
             return False
         # A source that was lost is waited for again only after it has sent a chi again.
-        return blend.source is asked_of(blend.way.target) or self._sources.answered_since(
+        return blend.source is source_of(blend.route.target) or self._sources.answered_since(
             blend.request.id, blend.start, revision
         )
 
-    def _refusal(self, stack: str, at_tick: int, robots: tuple[int, ...] | None = None) -> str:
+    def _rejection_reason(
+        self, stack: str, at_tick: int, robots: tuple[int, ...] | None = None
+    ) -> str:
         """Return why robots cannot go to a stack at a tick, or ''; 0 is the next one.
 
         Requests for earlier ticks count as served.
         """
         if stack not in self._stacks:
             return ""  # the request book refuses unknown stacks, and names the known ones
-        part = self._part(robots or self._book.robots(stack))
+        group = self._group(robots or self._book.robots(stack))
         waiting = self._book.not_begun
         earlier = [each for each in waiting if not at_tick or each.at_tick <= at_tick]
-        coupled = coupling(as_asked(self._channels, earlier, self._stacks, self._part), part)
+        coupled = coupling(as_requested(self._channels, earlier, self._stacks, self._group), group)
         return coupled and f"stack {stack!r}: {coupled}"
 
     def _back(self, stack: Stack, reason: str) -> Answer:

@@ -23,7 +23,7 @@ class Source(Enum):
     """Whose chi the controller follows; the values stand in messages."""
 
     NONE = ""
-    ROBOT_B = "robot_b"
+    SOLVER = "robot_b"
     HTMPC = "htmpc"
     LOCAL = "local"  # the controller solves the new stack itself
     MINIMUM_VELOCITY = "minimum_velocity"
@@ -31,7 +31,8 @@ class Source(Enum):
     @property
     def called(self) -> str:
         """What it is called in sentences."""
-        return "the MPC" if self is Source.HTMPC else self.value.replace("_b", " B")
+        names = {Source.SOLVER: "the solver", Source.HTMPC: "the MPC"}
+        return names.get(self, self.value)
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ class Tally:
 
     def lost(self, before: Source, choice: Choice, *, done: bool) -> Tally:
         """Return it after a tick; ``done``: alpha was at 1, so that this begins another blend."""
-        if before is not Source.ROBOT_B or choice.source is Source.ROBOT_B:
+        if before is not Source.SOLVER or choice.source is Source.SOLVER:
             return self
         return replace(self, losses=1 if done else self.losses + 1)
 
@@ -88,12 +88,12 @@ class Tally:
         return context.anew or context.tick - self.anew <= stale
 
 
-def level_jumps(way: Route, level: tuple[LinearTask, ...], context: TickContext) -> bool:
+def level_jumps(route: Route, level: tuple[LinearTask, ...], context: TickContext) -> bool:
     """Return whether new references move level 1 by more than the joints follow in one tick.
 
     Less than that needs no bridge: many small steps must not keep a transition from its end.
     """
     if context.references is context.references_before:
         return False
-    old = way.target.first(context.kinematics, context.references_before)
+    old = route.target.first(context.kinematics, context.references_before)
     return not follows_within(level, old, context.reach)

@@ -9,37 +9,39 @@ import numpy as np
 from lexstack.limits.joint_limits import LIMITS, JointLimits
 from lexstack.tasks.stack import Stack
 from lexstack.transition.channels.channel import Channel
-from lexstack.transition.channels.lineup import PartOf
+from lexstack.transition.channels.lineup import GroupOf
 from lexstack.transition.due import Due
 from lexstack.transition.methods import JERK_LIMITED
 from lexstack.transition.robot_group import Columns
 
-Asked = tuple[Columns, JointLimits | None, bool]
+Requested = tuple[Columns, JointLimits | None, bool]
 """The joints of a channel, the limits of its stack (None: the robots' own), and whether by a method
 that keeps jerk limits."""
 
 
 def of_tick(
-    channels: Iterable[Channel], due: Due, stacks: Mapping[str, Stack], part_of: PartOf
-) -> list[Asked]:
+    channels: Iterable[Channel], due: Due, stacks: Mapping[str, Stack], group_of: GroupOf
+) -> list[Requested]:
     """Return what the channels ask for at a tick, with the requests that start at it.
 
     Args:
         channels: before the tick.
         due: the requests of the tick.
         stacks: all that may be asked for, by name.
-        part_of: makes the part of some robots.
+        group_of: makes the group of some robots.
     """
-    ways = [(channel.part, channel.target, channel.method) for channel in channels]
+    routes = [(channel.group, channel.target, channel.method) for channel in channels]
     for request, _ in due.starting:
-        stay = [set(part.robots) - set(request.robots) for part, _, _ in ways]
-        ways = [
-            (part_of(robots), stack, method)
-            for robots, (_, stack, method) in zip(stay, ways, strict=True)
+        stay = [set(group.robots) - set(request.robots) for group, _, _ in routes]
+        routes = [
+            (group_of(robots), stack, method)
+            for robots, (_, stack, method) in zip(stay, routes, strict=True)
             if robots
         ]
-        ways.append((part_of(request.robots), stacks[request.stack], request.method))
-    return [(part.columns, stack.limits, method in JERK_LIMITED) for part, stack, method in ways]
+        routes.append((group_of(request.robots), stacks[request.stack], request.method))
+    return [
+        (group.columns, stack.limits, method in JERK_LIMITED) for group, stack, method in routes
+    ]
 
 
 class RequestedLimits:
@@ -49,36 +51,36 @@ class RequestedLimits:
         """Know the robots' own limits, and whether jerk is limited ``always``."""
         self._own = own
         self._always = always
-        self._last: tuple[Asked, ...] = ()
+        self._last: tuple[Requested, ...] = ()
         self._limits = own
 
-    def of(self, asked: Sequence[Asked]) -> tuple[JointLimits, bool]:
+    def of(self, requested: Sequence[Requested]) -> tuple[JointLimits, bool]:
         """Return the limits of all joints, and whether jerk is limited for any of them.
 
         Where it is limited on some channels alone, the others have an infinite jerk limit.
         """
-        if len(asked) == 1:
-            _, limits, jerk = asked[0]
+        if len(requested) == 1:
+            _, limits, jerk = requested[0]
             return limits or self._own, jerk
-        jerks = {jerk for _, _, jerk in asked}
-        first = asked[0][1]
-        if len(jerks) == 1 and all(limits is first for _, limits, _ in asked):
+        jerks = {jerk for _, _, jerk in requested}
+        first = requested[0][1]
+        if len(jerks) == 1 and all(limits is first for _, limits, _ in requested):
             return first or self._own, True in jerks
-        if not self._same(asked):
-            self._last, self._limits = tuple(asked), self._put_together(asked, jerks)
+        if not self._same(requested):
+            self._last, self._limits = tuple(requested), self._put_together(requested, jerks)
         return self._limits, True in jerks
 
-    def _same(self, asked: Sequence[Asked]) -> bool:
+    def _same(self, requested: Sequence[Requested]) -> bool:
         """Return whether all is as it was at the last call."""
-        return len(asked) == len(self._last) and all(
+        return len(requested) == len(self._last) and all(
             a[0] is b[0] and a[1] is b[1] and a[2] == b[2]
-            for a, b in zip(asked, self._last, strict=True)
+            for a, b in zip(requested, self._last, strict=True)
         )
 
-    def _put_together(self, asked: Sequence[Asked], jerks: set[bool]) -> JointLimits:
+    def _put_together(self, requested: Sequence[Requested], jerks: set[bool]) -> JointLimits:
         """Return each channel's limits on its joints."""
         values = {name: getattr(self._own, name).copy() for name in LIMITS}
-        for columns, limits, jerk in asked:
+        for columns, limits, jerk in requested:
             for name in LIMITS:
                 values[name][columns] = getattr(limits or self._own, name)[columns]
             if len(jerks) == 2 and not jerk and not self._always:

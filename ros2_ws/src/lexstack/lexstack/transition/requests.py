@@ -115,13 +115,13 @@ class RequestBook:
             reason: why, if not a user's wish.
             robots: places of those that shall go there; None: all that the stack moves.
         """
-        refusal = self._refusal(stack, duration, method)
-        if refusal:
-            return Answer(False, refusal)
+        rejection = self._rejection_reason(stack, duration, method)
+        if rejection:
+            return Answer(False, rejection)
         moved = self._stacks[stack] if robots is None else robots
-        refusal = self._untimely(moved, at_tick, now)
-        if refusal:
-            return Answer(False, refusal)
+        rejection = self._untimely(moved, at_tick, now)
+        if rejection:
+            return Answer(False, rejection)
         self._count += 1
         request = SwitchRequest(
             self._count,
@@ -174,7 +174,7 @@ class RequestBook:
         self.pending = ()
         self._scheduled = []
 
-    def _refusal(self, stack: str, duration: float, method: str) -> str:
+    def _rejection_reason(self, stack: str, duration: float, method: str) -> str:
         """Return why a request cannot be accepted, or an empty text."""
         if stack not in self._stacks:
             return self._absent(stack)

@@ -1,4 +1,4 @@
-"""The part of chi that belongs to some of the robots."""
+"""Some of the robots, and their part of chi."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class RobotGroup:
 
     @classmethod
     def of(cls, team: Team, robots: Iterable[int]) -> RobotGroup:
-        """Return the part of these robots of a team."""
+        """Return the group of these robots of a team."""
         places = tuple(sorted(robots))
         names = tuple(team.names[robot] for robot in places)
         slices = [team.slices[robot] for robot in places]
@@ -48,13 +48,17 @@ class RobotGroup:
             whole = ("follow_chi", slice(0, team.n), np.eye(team.n))
             return cls(places, names, columns, (whole,), team)
         pieces = tuple(
-            (f"{name}/follow_chi", part, np.eye(part.stop - part.start, team.n, part.start))
-            for name, part in zip(names, slices, strict=True)
+            (
+                f"{name}/follow_chi",
+                columns,
+                np.eye(columns.stop - columns.start, team.n, columns.start),
+            )
+            for name, columns in zip(names, slices, strict=True)
         )
         return cls(places, names, columns, pieces, team)
 
     def shares(self, other: RobotGroup) -> bool:
-        """Return whether two parts have a robot in common."""
+        """Return whether two groups have a robot in common."""
         return not set(self.robots).isdisjoint(other.robots)
 
     def follow(self, target: Vector) -> tuple[LinearTask, ...]:

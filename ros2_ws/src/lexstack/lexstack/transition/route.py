@@ -15,19 +15,19 @@ class Route:
 
     Attributes:
         request: that is served.
-        part: the robots that go.
+        group: the robots that go.
         origin: the stack that they come from.
         target: the stack that they go to.
         whole: whether they are all robots that this stack moves.
     """
 
     request: SwitchRequest
-    part: RobotGroup
+    group: RobotGroup
     origin: Stack
     target: Stack
     whole: bool
 
-    def of(self, part: RobotGroup) -> Route:
+    def of(self, group: RobotGroup) -> Route:
         """Return the route of some of its robots."""
-        origin, target = self.origin.of(part.robots), self.target.of(part.robots)
-        return Route(self.request, part, origin, target, whole=False)
+        origin, target = self.origin.of(group.robots), self.target.of(group.robots)
+        return Route(self.request, group, origin, target, whole=False)

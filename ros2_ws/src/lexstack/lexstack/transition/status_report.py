@@ -42,7 +42,7 @@ def coming(
         pending: requests that are due, but without a first chi.
         scheduled: those whose tick has not come yet.
     """
-    robots = set(channel.part.robots)
+    robots = set(channel.group.robots)
     for requests, phase in ((pending, Phase.PREPARING), (scheduled, Phase.REQUESTED)):
         for request in requests:
             if robots.intersection(request.robots):
@@ -67,16 +67,16 @@ def transition_state(
         next_: the next request for any of its robots, and whether it is requested or preparing.
         adopts: whether the controller adopts the stack at the end.
     """
-    blend, names = channel.blend, channel.part.names
+    blend, names = channel.blend, channel.group.names
     if blend is None:
-        id_, stack, phase, part = channel.id, channel.target.name, Phase.IDLE, plan.alpha
+        id_, stack, phase, alpha = channel.id, channel.target.name, Phase.IDLE, plan.alpha
         origin = channel.origin
         if channel.aborted:
             phase = Phase.ABORTED
         elif next_ is not None:
             request, phase = next_
             # A request leaves the stack in effect, not the one that was left by the last request.
-            id_, origin, stack, part = request.id, stack, request.stack, 0.0
+            id_, origin, stack, alpha = request.id, stack, request.stack, 0.0
         return TransitionState(
             id_,
             origin,
@@ -84,20 +84,20 @@ def transition_state(
             Source.NONE,
             "",
             phase,
-            part,
+            alpha,
             0.0,
             0.0,
             channel.aborted or channel.reason,
             names,
         )
-    mine = channel.part.columns
+    mine = channel.group.columns
     gap = 0.0 if plan.source is None else float(np.abs(chi[mine] - plan.source[mine]).max())
-    at_end = plan.alpha >= 1.0 and adopts and not blend.way.target.planned
+    at_end = plan.alpha >= 1.0 and adopts and not blend.route.target.planned
     phase = Phase.ADOPTING if at_end else Phase.BLENDING
     return TransitionState(
         channel.id,
         channel.origin,
-        blend.way.target.name,
+        blend.route.target.name,
         blend.source,
         blend.request.method,
         Phase.ABORTED if channel.aborted else phase,

@@ -27,7 +27,7 @@ def at_end(blend: Blend, own: Vector, tick: int, context: TickContext) -> tuple[
         tick: this one.
         context: of this tick.
     """
-    mine = blend.way.part.columns
+    mine = blend.route.group.columns
     apart = np.abs(own - blend.source_chi)[mine]
     if (apart <= _SAME * context.limits.acceleration[mine] * context.dt).all():
         return blend, ""
@@ -49,7 +49,7 @@ def _taken_over(blend: Blend, own: Vector, tick: int, context: TickContext) -> B
     gap = blend.source_chi - own
     step = np.zeros_like(own) if blend.drift is None else blend.drift
     return Blend(
-        blend.way,
+        blend.route,
         Source.LOCAL,
         tick,
         _unfelt(blend, gap, context),
@@ -66,7 +66,7 @@ def _unfelt(blend: Blend, gap: Vector, context: TickContext) -> float:
 
     The quintic's first and second derivative are at most 1.875 / T and 5.774 / T^2.
     """
-    mine, limits = blend.way.part.columns, context.limits
+    mine, limits = blend.route.group.columns, context.limits
     size = np.abs(gap[mine])
     by_rate = 1.875 * float((size / limits.acceleration[mine]).max()) / _LITTLE[0]
     by_jerk = math.sqrt(5.774 * float((size / limits.jerk[mine]).max()) / _LITTLE[1])

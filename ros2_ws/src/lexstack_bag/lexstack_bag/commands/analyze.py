@@ -109,7 +109,7 @@ def write(analysis: Analysis, folder: Path, say: Say) -> None:
     report = folder / "report.html"
     with writing(folder, make=True):
         (folder / "metrics.json").write_text(metrics.to_json(), encoding="utf-8")
-        write_report(report, run, analysis.measures, analysis.phases, metrics, say)
+        write_report(report, run, analysis.time_series, analysis.phases, metrics, say)
     say(f"wrote {folder / 'metrics.json'} and {report}")
 
 
@@ -176,12 +176,12 @@ def _run(options: argparse.Namespace, say: Say) -> int:
     for tables, export in ((options.csv, write_csv), (options.parquet, write_parquet)):
         if tables is not None:
             bar = ProgressBar("writing tables")
-            paths = export(tables, analysis.run, analysis.measures, bar)
+            paths = export(tables, analysis.run, analysis.time_series, bar)
             say(f"wrote {', '.join(path.name for path in paths)} to {tables}")
     if options.video:
         bar = ProgressBar("rendering")
         film = folder / "video.mp4"
-        count = write_video(film, analysis.run, analysis.measures, analysis.phases, bar)
+        count = write_video(film, analysis.run, analysis.time_series, analysis.phases, bar)
         say(f"wrote {film}: {count} pictures")
     print("\n" + "\n".join(map(printable, summary_lines(analysis.metrics))))
     return 0

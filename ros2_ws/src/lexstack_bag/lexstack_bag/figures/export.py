@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from lexstack.robots import Team
 from lexstack.types import Matrix
 from lexstack_bag.errors import BagError
-from lexstack_bag.figures.series import Measures
+from lexstack_bag.figures.series import TimeSeries
 from lexstack_bag.run.partial_chi import joined
 from lexstack_bag.run.run import Run
 from lexstack_bag.storage.container import Progress
@@ -51,35 +51,37 @@ class _Kind:
 _POSITION, _VELOCITY = _Kind("m", "rad"), _Kind("m/s", "rad/s")
 
 
-def tables(run: Run, measures: Measures) -> dict[str, Columns]:
+def tables(run: Run, time_series: TimeSeries) -> dict[str, Columns]:
     """Return the tables of a run by name: plant, errors, each chi and plan, transition, targets."""
     team = run.team()
     found: dict[str, Columns] = {
         "plant": _stream(run.plant, team),
-        "errors": _errors(run, measures),
+        "errors": _errors(run, time_series),
     }
     for node, chi in run.chi.items():
         if len(chi.tick):
             found[f"{node}_chi"] = _stream(joined(run, node), team)
-    for robot, planning in run.planning.items():
-        found[f"{robot}_plans"] = _stream(planning.progress, team)
+    for robot, plan_topics in run.plan_topics.items():
+        found[f"{robot}_plans"] = _stream(plan_topics.progress, team)
     found["transition"] = _stream(run.transition, team)
     found["targets"] = _targets(run)
     return found
 
 
-def write_csv(folder: Path, run: Run, measures: Measures, progress: Progress) -> list[Path]:
+def write_csv(folder: Path, run: Run, time_series: TimeSeries, progress: Progress) -> list[Path]:
     """Write every table as ``NAME.csv`` and return the files; raises BagError."""
-    return _write(folder, ".csv", _csv, tables(run, measures), progress)
+    return _write(folder, ".csv", _csv, tables(run, time_series), progress)
 
 
-def write_parquet(folder: Path, run: Run, measures: Measures, progress: Progress) -> list[Path]:
+def write_parquet(
+    folder: Path, run: Run, time_series: TimeSeries, progress: Progress
+) -> list[Path]:
     """Write every table as ``NAME.parquet`` and return the files; raises BagError."""
     try:
         import pyarrow.parquet  # noqa: F401, PLC0415  # large, and needed here alone
     except ImportError as error:
         raise BagError("--parquet: pyarrow is not installed: pip install pyarrow") from error
-    return _write(folder, ".parquet", _parquet, tables(run, measures), progress)
+    return _write(folder, ".parquet", _parquet, tables(run, time_series), progress)
 
 
 def _write(
@@ -137,20 +139,20 @@ def _stream(stream: Any, team: Team) -> Columns:
     return columns
 
 
-def _errors(run: Run, measures: Measures) -> Columns:
+def _errors(run: Run, time_series: TimeSeries) -> Columns:
     """Return positions, targets and errors at every tick of the plant."""
-    columns: dict[str, NDArray[Any]] = {"tick": run.plant.tick, _TIME: measures.time}
+    columns: dict[str, NDArray[Any]] = {"tick": run.plant.tick, _TIME: time_series.time}
     for i, robot in enumerate(run.robots):
         for name, values, axes in (
-            ("ee", measures.ee, _AXES),
-            ("ee_target", measures.ee_target, _AXES),
-            ("base", measures.base, _BASE),
-            ("base_target", measures.base_target, _BASE),
+            ("ee", time_series.ee, _AXES),
+            ("ee_target", time_series.ee_target, _AXES),
+            ("base", time_series.base, _BASE),
+            ("base_target", time_series.base_target, _BASE),
         ):
             columns |= {f"{name}/{robot}/{axis}": values[:, i, k] for k, axis in enumerate(axes)}
-        columns[f"ee_error/{robot} [mm]"] = measures.ee_error[:, i]
-        columns[f"base_error/{robot} [mm]"] = measures.base_error[:, i]
-        columns[f"yaw_error/{robot} [mrad]"] = measures.yaw_error[:, i]
+        columns[f"ee_error/{robot} [mm]"] = time_series.ee_error[:, i]
+        columns[f"base_error/{robot} [mm]"] = time_series.base_error[:, i]
+        columns[f"yaw_error/{robot} [mrad]"] = time_series.yaw_error[:, i]
     return columns
 
 

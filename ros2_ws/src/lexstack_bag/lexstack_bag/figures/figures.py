@@ -15,8 +15,8 @@ from lexstack.robots import Team
 from lexstack.types import Matrix, Vector
 from lexstack_bag.figures.levels import LevelMetrics, levels_of
 from lexstack_bag.figures.phases import BASE_TASKS, EE_TASKS, Phase, find_phases, tasks_of
-from lexstack_bag.figures.relative_errors import PerRobot, relations_of
-from lexstack_bag.figures.series import COMMANDER, Measures, finite, measure
+from lexstack_bag.figures.relative_errors import PerRobot, relative_errors_of
+from lexstack_bag.figures.series import COMMANDER, TimeSeries, finite, measure
 from lexstack_bag.figures.settling import posture_errors, settled_after
 from lexstack_bag.run.run import Run, RunPart, SolveStatus
 from lexstack_bag.run.sequences import SequenceMetrics, ratio_of, sequences_of
@@ -90,7 +90,9 @@ class Metrics:
     parts: tuple[RunPart, ...] = ()  # of the bag; none: it has no reset
     doubts: tuple[str, ...] = ()  # why no goal can be called reached
     gaps: tuple[str, ...] = ()  # what the bag does not have
-    singular: tuple[str, ...] = ()  # near which singularities robots were, as A said, and from when
+    singular: tuple[
+        str, ...
+    ] = ()  # near which singularities robots were, as the controller said, and from when
 
     def to_json(self) -> str:
         """Return the text of ``metrics.json``; it never holds NaN."""
@@ -102,24 +104,24 @@ class Analysis:
     """A run and all that is computed from it."""
 
     run: Run
-    measures: Measures
+    time_series: TimeSeries
     phases: tuple[Phase, ...]
     metrics: Metrics
 
     @classmethod
     def of(cls, run: Run, progress: Progress = lambda _part: None) -> Analysis:
         """Compute time series, phases and figures of a run."""
-        measures, phases = measure(run, progress), find_phases(run)
-        return cls(run, measures, phases, compute_metrics(run, measures, phases))
+        time_series, phases = measure(run, progress), find_phases(run)
+        return cls(run, time_series, phases, compute_metrics(run, time_series, phases))
 
 
-def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> Metrics:
+def compute_metrics(run: Run, time_series: TimeSeries, phases: tuple[Phase, ...]) -> Metrics:
     """Return the figures of a run."""
     scenario, command, team = run.resolved.scenario, run.chi[COMMANDER], run.team()
     sequences, whole = sequences_of(run), wholeness_of(run)
     solve_times = {name: chi.solve_time for name, chi in run.chi.items()}
-    for robot, planning in run.planning.items():
-        solve_times[f"htmpc, {robot}"] = planning.progress.solve_time
+    for robot, plan_topics in run.plan_topics.items():
+        solve_times[f"htmpc, {robot}"] = plan_topics.progress.solve_time
     return Metrics(
         scenario=scenario.name,
         mode=scenario.mode,
@@ -131,9 +133,9 @@ def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> 
             int(np.count_nonzero(chi.status != SolveStatus.SOLVED)) for chi in run.chi.values()
         )
         + sum(sequence.failed_plans for sequence in sequences),
-        peak_acceleration_ratio=_peak(measures.acceleration_ratio),
-        peak_jerk_ratio=_peak(measures.jerk_ratio),
-        phases=tuple(_phase(run, team, measures, phase) for phase in phases),
+        peak_acceleration_ratio=_peak(time_series.acceleration_ratio),
+        peak_jerk_ratio=_peak(time_series.jerk_ratio),
+        phases=tuple(_phase(run, team, time_series, phase) for phase in phases),
         solve_us={
             name: {
                 "median": _percentile(1e6 * times, 50),
@@ -155,10 +157,10 @@ def compute_metrics(run: Run, measures: Measures, phases: tuple[Phase, ...]) -> 
     )
 
 
-def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetrics:
+def _phase(run: Run, team: Team, time_series: TimeSeries, phase: Phase) -> PhaseMetrics:
     """Return the figures of one phase."""
-    ticks = phase.ticks(measures.time)
-    steady = ticks & (measures.time >= phase.end - STEADY_WINDOW - 1e-6)
+    ticks = phase.ticks(time_series.time)
+    steady = ticks & (time_series.time >= phase.end - STEADY_WINDOW - 1e-6)
     ee = tasks_of(run, phase.stack, EE_TASKS)
     base = tasks_of(run, phase.stack, BASE_TASKS)
     postures = posture_errors(run, team, phase.stack)
@@ -172,17 +174,17 @@ def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetri
     return PhaseMetrics(
         stack=phase.stack,
         start_s=round(phase.start, 9),
-        settled_s=settled_after(run, team, measures, phase, ticks, steady),
+        settled_s=settled_after(run, team, time_series, phase, ticks, steady),
         transition_s=None if phase.adopted is None else round(phase.adopted - phase.start, 9),
-        ee_error_mm=figures(measures.ee_error, steady, np.mean, ee),
-        ee_peak_error_mm=figures(measures.ee_error, ticks, np.max, ee),
-        base_error_mm=figures(measures.base_error, steady, np.mean, base) if base else None,
-        base_error_mrad=figures(measures.yaw_error, steady, np.mean, base) if base else None,
+        ee_error_mm=figures(time_series.ee_error, steady, np.mean, ee),
+        ee_peak_error_mm=figures(time_series.ee_error, ticks, np.max, ee),
+        base_error_mm=figures(time_series.base_error, steady, np.mean, base) if base else None,
+        base_error_mrad=figures(time_series.yaw_error, steady, np.mean, base) if base else None,
         peak_acceleration_ratio=_peak(
-            measures.acceleration_ratio[phase.ticks(measures.command_time)]
+            time_series.acceleration_ratio[phase.ticks(time_series.command_time)]
         ),
-        damped_share=_damped(run, phase.ticks(measures.command_time)),
-        **asdict(relations_of(run, team, measures, phase.stack, ticks, steady)),
+        damped_share=_damped(run, phase.ticks(time_series.command_time)),
+        **asdict(relative_errors_of(run, team, time_series, phase.stack, ticks, steady)),
         posture_error_mrad={
             name: finite(np.mean(postures[name][steady]))
             if name in postures and steady.any()
@@ -194,19 +196,19 @@ def _phase(run: Run, team: Team, measures: Measures, phase: Phase) -> PhaseMetri
         robots=phase.robots,
         outcome=phase.outcome,
         has_errors=bool(ee or base or postures),
-        levels=levels_of(run, team, measures, phase, steady),
+        levels=levels_of(run, team, time_series, phase, steady),
     )
 
 
 def _damped(run: Run, ticks: NDArray[np.bool_]) -> float:
-    """Return in which share of some of the command's ticks a level was damped, as A says."""
+    """Return in which share of some ticks a level was damped, as the controller says."""
     reasons = [str(reason) for reason in run.chi[COMMANDER].reason[ticks]]
     damped = sum(reason.startswith(NEAR) and DAMPED in reason for reason in reasons)
     return damped / len(reasons) if reasons else 0.0
 
 
 def _singular(run: Run) -> tuple[str, ...]:
-    """Return what robot A said of singularities, each thing once with its stack and first time."""
+    """Return what the controller said of singularities, once each, with stack and first time."""
     told, said = run.transition, dict[str, str]()
     for stamp, stack, reason in zip(told.stamp, told.to_stack, told.reason, strict=True):
         at = str(reason).find(NEAR)
@@ -217,7 +219,7 @@ def _singular(run: Run) -> tuple[str, ...]:
 
 
 def _empty_bounds(run: Run) -> int:
-    """Return the ticks with an empty box: as robot A said, or as the bag shows."""
+    """Return the ticks with an empty box: as the controller said, or as the bag shows."""
     command = run.chi[COMMANDER]
     empty = (command.lower > command.upper).any(axis=1) | (command.empty_bounds > 0)
     return int(np.count_nonzero(empty))

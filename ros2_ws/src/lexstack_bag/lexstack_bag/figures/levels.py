@@ -18,7 +18,7 @@ from lexstack.robots import Team
 from lexstack.tasks import Stack, build_stack
 from lexstack.types import LinearTask, RobotState, Vector
 from lexstack_bag.figures.phases import Phase
-from lexstack_bag.figures.series import COMMANDER, Measures, finite
+from lexstack_bag.figures.series import COMMANDER, TimeSeries, finite
 from lexstack_bag.run.run import Run
 
 _MOST = 20  # states at which the residuals of a phase are taken
@@ -48,14 +48,14 @@ class LevelMetrics:
 
 
 def levels_of(
-    run: Run, team: Team, measures: Measures, phase: Phase, steady: NDArray[np.bool_]
+    run: Run, team: Team, time_series: TimeSeries, phase: Phase, steady: NDArray[np.bool_]
 ) -> tuple[LevelMetrics, ...]:
     """Return the levels of a phase's stack; none where the bag cannot tell.
 
     Args:
         run: the run.
         team: its robots.
-        measures: its time series.
+        time_series: its time series.
         phase: the phase.
         steady: which of the plant's states make its steady state, shape (T,).
     """
@@ -68,7 +68,7 @@ def levels_of(
     sums: dict[str, list[float]] = {}
     levels: Levels = ()
     for place in chosen.tolist():
-        levels = _linear(run, team, measures, stack, int(rows[place]))
+        levels = _linear(run, team, time_series, stack, int(rows[place]))
         for task in (task for level in levels for task in level):
             residual = task.residual(chi[commands[place]])
             sums.setdefault(task.name, []).append(float(np.linalg.norm(residual)))
@@ -107,12 +107,12 @@ def _common(run: Run, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArr
     return rows[mine], np.flatnonzero(usable)[theirs]
 
 
-def _linear(run: Run, team: Team, measures: Measures, stack: Stack, row: int) -> Levels:
-    """Return the levels of a stack, made linear as robot A did at a state of the plant."""
+def _linear(run: Run, team: Team, time_series: TimeSeries, stack: Stack, row: int) -> Levels:
+    """Return the levels of a stack, made linear as the controller did at a state of the plant."""
     plant = run.plant
     vectors = (plant.q[row], plant.v[row], plant.q_star[row], plant.command[row])
     state = RobotState(int(plant.tick[row]), float(plant.stamp[row]), *vectors)
-    return stack.linearise(team.kinematics(state), measures.references[row])
+    return stack.linearise(team.kinematics(state), time_series.references[row])
 
 
 def _held(run: Run, team: Team, levels: Levels, command: int) -> dict[int, tuple[str, ...]]:
@@ -132,7 +132,7 @@ def _held(run: Run, team: Team, levels: Levels, command: int) -> dict[int, tuple
 
 
 def _is_optimum(levels: Levels, chi: Vector, slacks: Vector) -> bool:
-    """Return whether chi is what robot A solved these levels to, by the slacks that it sent.
+    """Return whether chi is what the controller solved these levels to, by the slacks that it sent.
 
     It is not in a blend, where a fallback stood in, and where the robots are on several stacks.
     """

@@ -1,4 +1,4 @@
-"""The joint limits in force at each of robot A's ticks: led on from tick to tick as A did."""
+"""The joint limits in force at each of the controller's ticks: led on as it did."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The phases of a run: which stack robot A was on or on its way to, from when to when."""
+"""The phases of a run: which stack the controller was on or on its way to, from when to when."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ class Phase:
     stack: str
     start: float  # s, the trigger; of the first phase the run's first tick
     end: float  # s, the next trigger or the run's end; not part of it
-    adopted: float | None  # s, when robot A took the stack over; None: never, or the first phase
+    adopted: (
+        float | None
+    )  # s, when the controller took the stack over; None: never, or the first phase
     robots: tuple[str, ...] = ()  # that it is about; empty: all
     # adopted, cancelled, aborted, replaced (by the next request), under way; empty: the first phase
     outcome: str = field(default="", compare=False)
@@ -78,7 +80,8 @@ def _touch(one: Phase, other: Phase) -> bool:
 def _switches(run: Run, end: float) -> list[Phase]:
     """Return every switch as a phase that lasts until ``end`` [s].
 
-    A stack counts as adopted at the end of the blend, also where A stays with the source.
+    A stack counts as adopted at the end of the blend, also where the controller stays with the
+    source.
     """
     status = run.transition
     under_way = np.isin(status.phase, (TransitionPhase.PREPARING, TransitionPhase.BLENDING))
@@ -110,7 +113,7 @@ def _outcome(number: int, cancelled: Collection[int], *, adopted: bool, aborted:
 
 
 def cancelled_ids(run: Run) -> frozenset[int]:
-    """Return the numbers of the transitions that a user cancelled, as robot A says."""
+    """Return the numbers of the transitions that a user cancelled, as the controller says."""
     status = run.transition
     aborted = status.phase == TransitionPhase.ABORTED
     texts = [_CANCELLED.match(text) for text in set(status.reason[aborted].tolist())]

@@ -11,7 +11,7 @@ from lexstack.robots import Team
 from lexstack.tasks import other_end, pose_error
 from lexstack.types import Matrix, Vector
 from lexstack_bag.figures.phases import RELATIVE_TASKS, tasks_of
-from lexstack_bag.figures.series import Measures
+from lexstack_bag.figures.series import TimeSeries
 from lexstack_bag.run.run import Run
 
 _MM = 1e3
@@ -34,7 +34,7 @@ Distances are those of the spheres that stand for a robot, which stick out beyon
 
 
 @dataclass(frozen=True, slots=True)
-class Relations:
+class RelativeErrors:
     """The figures of one phase, by robot; None where its stack or the scenario has no such thing.
 
     An object's errors stand under the robot whose task ``relative_pose`` holds it.
@@ -55,22 +55,22 @@ class Relations:
     obstacle_distance_mm: PerRobot | None
 
 
-def relations_of(
-    run: Run, team: Team, measures: Measures, stack: str, ticks: Ticks, steady: Ticks
-) -> Relations:
+def relative_errors_of(
+    run: Run, team: Team, time_series: TimeSeries, stack: str, ticks: Ticks, steady: Ticks
+) -> RelativeErrors:
     """Return the figures of a phase.
 
     Args:
         run: the run.
         team: its robots.
-        measures: its time series.
+        time_series: its time series.
         stack: the phase's.
         ticks: which are in the phase, shape (T,).
         steady: which of them make its steady state, shape (T,).
     """
     tasks = tasks_of(run, stack, RELATIVE_TASKS)
     held = [
-        _relative_errors(run, team, measures, (name, task.parameters["other"]), ticks)
+        _relative_errors(run, team, time_series, (name, task.parameters["other"]), ticks)
         for name, task in tasks.items()
     ]
     linear, angular = ([errors[k] for errors in held] for k in (0, 1))
@@ -85,7 +85,7 @@ def relations_of(
         ]
         return {name: dict(zip(tasks, values, strict=True)).get(name) for name in run.robots}
 
-    return Relations(
+    return RelativeErrors(
         each(linear, steadily=True),
         each(angular, steadily=True),
         each(linear, steadily=False),
@@ -114,13 +114,13 @@ def obstacle_distances(team: Team, q: Vector, stamp: float) -> Matrix:
 
 
 def _relative_errors(
-    run: Run, team: Team, measures: Measures, names: tuple[str, str], ticks: Ticks
+    run: Run, team: Team, time_series: TimeSeries, names: tuple[str, str], ticks: Ticks
 ) -> tuple[Vector, Vector]:
     """Return |e_p| [mm] and |e_R| [mrad] of an object at each tick of a phase."""
     one, other = (team.index(name) for name in names)
     errors = []
     for row in np.flatnonzero(ticks):
-        tools, references = team.tools(run.plant.q[row]), measures.references[row]
+        tools, references = team.tools(run.plant.q[row]), time_series.references[row]
         goal = other_end(tools[one], references.ee[one], references.ee[other])
         errors.append(pose_error(tools[other], goal))
     array = np.array(errors).reshape(-1, 6)

@@ -1,6 +1,6 @@
 """What a run's bag says tick by tick: references in effect, errors, acceleration and jerk ratios.
 
-Shapes: T ticks of the plant, K ticks of robot A's command, N robots, n the length of chi.
+Shapes: T ticks of the plant, K ticks of the controller's command, N robots, n the length of chi.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _MRAD = 1e3
 
 
 @dataclass(frozen=True, slots=True)
-class Measures:
+class TimeSeries:
     """A run's time series, from measured positions and the recorded command."""
 
     time: Vector  # (T,) s, simulated
@@ -44,7 +44,7 @@ class Measures:
     jerk_ratio: Single  # (K, n) |jerk| / limit in force; nan after a gap in the ticks
 
 
-def measure(run: Run, progress: Progress = lambda _part: None) -> Measures:
+def measure(run: Run, progress: Progress = lambda _part: None) -> TimeSeries:
     """Return the time series of a run; runs forward kinematics for every tick."""
     team = run.team()
     q, time = run.plant.q, run.plant.stamp
@@ -54,7 +54,7 @@ def measure(run: Run, progress: Progress = lambda _part: None) -> Measures:
     ee_target, base_target = _positions(references, len(team.robots))
     yaw = base[:, :, 2] - base_target[:, :, 2]
     acceleration, jerk = _ratios(run, team)
-    return Measures(
+    return TimeSeries(
         time,
         references,
         ee,

@@ -11,7 +11,7 @@ from lexstack.robots import ARM, Team
 from lexstack.tasks import PostureParameters, posture_target
 from lexstack.types import Vector
 from lexstack_bag.figures.phases import BASE_TASKS, EE_TASKS, POSTURE_TASKS, Phase, tasks_of
-from lexstack_bag.figures.series import Measures
+from lexstack_bag.figures.series import TimeSeries
 from lexstack_bag.run.run import Run
 from lexstack_config.reader import build
 
@@ -22,7 +22,7 @@ SETTLED_BAND = 1.0  # mm for end effectors and bases, mrad for postures
 def settled_after(
     run: Run,
     team: Team,
-    measures: Measures,
+    time_series: TimeSeries,
     phase: Phase,
     ticks: NDArray[np.bool_],
     steady: NDArray[np.bool_],
@@ -35,7 +35,7 @@ def settled_after(
     Args:
         run: the run.
         team: its robots.
-        measures: its time series.
+        time_series: its time series.
         phase: the phase.
         ticks: which ticks are in the phase, shape (T,).
         steady: which of them make the steady state, shape (T,).
@@ -44,7 +44,7 @@ def settled_after(
         None if an error never settles, or the stack has no such task.
     """
     times = []
-    for errors in _errors(run, team, measures, phase.stack):
+    for errors in _errors(run, team, time_series, phase.stack):
         inside = errors[ticks]
         if not inside.size or not steady.any():
             return None
@@ -52,16 +52,16 @@ def settled_after(
         first = int(outside[-1]) + 1 if outside.size else 0
         if first == inside.size:
             return None
-        times.append(float(measures.time[ticks][first]) - phase.start)
+        times.append(float(time_series.time[ticks][first]) - phase.start)
     return round(max(0.0, *times), 9) if times else None
 
 
-def _errors(run: Run, team: Team, measures: Measures, stack: str) -> Iterator[Vector]:
+def _errors(run: Run, team: Team, time_series: TimeSeries, stack: str) -> Iterator[Vector]:
     """Yield the errors of a stack's tasks at every tick, shape (T,) each."""
     for name in tasks_of(run, stack, EE_TASKS):
-        yield measures.ee_error[:, run.robots.index(name)]
+        yield time_series.ee_error[:, run.robots.index(name)]
     for name in tasks_of(run, stack, BASE_TASKS):
-        yield measures.base_error[:, run.robots.index(name)]
+        yield time_series.base_error[:, run.robots.index(name)]
     yield from posture_errors(run, team, stack).values()
 
 

@@ -1,4 +1,4 @@
-"""The references that the nodes went by: robot A's recorded decisions, or the targets again."""
+"""The references that the nodes used: the controller's decisions, or the targets again."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from lexstack_config.scenario import ScenarioConfig
 class Decisions:
     """References for the ticks of a bag, one after another.
 
-    Where the bag has robot A's decisions and no change concerns them, they are taken as they are.
-    Else the targets are decided on again, as they arrived.
+    Where the bag has the controller's decisions and no change concerns them, they are taken as they
+    are. Else the targets are decided on again, as they arrived.
     """
 
     def __init__(
         self, question: Question, team: Team, schedule: ReferenceSchedule | None = None
     ) -> None:
-        """Take what is in the bag; ``schedule`` is a replayed robot A's, else one is made."""
+        """Take what is in the bag; ``schedule`` is a replayed controller's, else one is made."""
         run = question.run
         self._schedule = schedule or build_references(question.resolved, team)
         before, now = run.resolved.scenario, question.resolved.scenario

@@ -31,7 +31,7 @@ __all__ = ["REPLAYERS", "Question", "recorded_nodes", "replay_controller", "repl
 
 
 def replay_solver(question: Question) -> Outcome:
-    """Return what robot B answers to the recorded states and requests."""
+    """Return what the solver answers to the recorded states and requests."""
     run = question.run
     parts = Parts.of(question.resolved, every=True)
     solver = build_stack_solver(question.resolved, parts)
@@ -54,7 +54,7 @@ def replay_solver(question: Question) -> Outcome:
 
 
 def _asked(parts: Parts, stack: str, names: str) -> tuple[Stack, Columns]:
-    """Return what robot B, or one of several, solved of a stack, and the joints that it sent."""
+    """Return what the solver, or one of several, solved of a stack, and the joints that it sent."""
     robots, everyone = robots_of(names, parts.team), len(parts.team.names)
     known = parts.stacks[stack]
     if len(robots) == everyone:
@@ -63,10 +63,10 @@ def _asked(parts: Parts, stack: str, names: str) -> tuple[Stack, Columns]:
 
 
 def replay_controller(question: Question) -> Outcome:
-    """Return what robot A commands for the recorded states, requests and answers of robot B.
+    """Return what the controller commands for the recorded states, requests and solver's answers.
 
-    With changes robot B is replayed as well: it solves what the replayed A asks for. Plans of the
-    HTMPC are the recorded ones.
+    With changes the solver is replayed as well: it solves what the replayed controller asks for.
+    Plans of the HTMPC are the recorded ones.
     """
     run, parts = question.run, Parts.of(question.resolved, every=True)
     loop = ReplayLoop(question, parts)
@@ -98,5 +98,5 @@ REPLAYERS: dict[str, Callable[[Question], Outcome]] = {
 def recorded_nodes(run: Run) -> tuple[str, ...]:
     """Return the nodes of which a bag has something to replay."""
     found = [name for name, chi in run.chi.items() if len(chi.tick)]
-    planned = any(len(planning.plans.tick) for planning in run.planning.values())
+    planned = any(len(plan_topics.plans.tick) for plan_topics in run.plan_topics.values())
     return tuple(name for name in REPLAYERS if name in found or (name == PLANNER and planned))

@@ -16,7 +16,7 @@ from lexstack_bag.storage.container import RawMessage
 from lexstack_bag.topics import PLAN, PLANT_STATE, SOLUTION
 
 ANSWERS = (SOLUTION, PLAN)
-"""What robot A waits for, with the stamp of the state that it answers."""
+"""What the controller waits for, with the stamp of the state that it answers."""
 
 Entry = tuple[RawMessage, float]  # a message, and the stamp [s] of a state or an answer
 

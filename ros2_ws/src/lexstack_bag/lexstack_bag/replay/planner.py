@@ -19,19 +19,19 @@ from lexstack_bag.errors import BagError
 from lexstack_bag.replay.changes import Question
 from lexstack_bag.replay.outcome import Joint, Outcome, joints_of
 from lexstack_bag.replay.states import Arrivals, States
-from lexstack_bag.run.run import Planning, PlanStream, Run, SequenceEvent
+from lexstack_bag.run.run import PlanStream, PlanTopics, Run, SequenceEvent
 from lexstack_config.parts import build_team
 
 PLANNER = "htmpc"
 
 
 def heard_plans(run: Run, team: Team) -> Arrivals[HeardPlan]:
-    """Return the recorded plans as robot A took them, by the time of their sending."""
+    """Return the recorded plans as the controller took them, by the time of their sending."""
     return Arrivals(
         [
-            (int(planning.plans.sent[row]), _plan(planning.plans, row, team.index(name)))
-            for name, planning in run.planning.items()
-            for row in range(len(planning.plans.tick))
+            (int(plan_topics.plans.sent[row]), _plan(plan_topics.plans, row, team.index(name)))
+            for name, plan_topics in run.plan_topics.items()
+            for row in range(len(plan_topics.plans.tick))
         ]
     )
 
@@ -45,20 +45,20 @@ def replay_planner(question: Question) -> Outcome:
     Raises:
         BagError: the bag holds no plans, or a change without what it changes.
     """
-    if not question.run.planning:
+    if not question.run.plan_topics:
         raise BagError(f"{question.run.path}: holds no plan of the HTMPC")
     run, team = question.run, build_team(question.resolved)
     scenario = question.resolved.scenario
     config, blend = question.resolved.htmpc[scenario.htmpc.parameters], scenario.transition.duration
     found: dict[int, tuple[float, Matrix]] = {}  # by tick: stamp, and both plans of all robots
-    width = max(planning.plans.velocity.shape[1] for planning in run.planning.values())
-    whole = sum(len(planning.plans.tick) for planning in run.planning.values())
+    width = max(plan_topics.plans.velocity.shape[1] for plan_topics in run.plan_topics.values())
+    whole = sum(len(plan_topics.plans.tick) for plan_topics in run.plan_topics.values())
     done = 0
-    for place, (name, planning) in enumerate(run.planning.items()):
+    for place, (name, plan_topics) in enumerate(run.plan_topics.items()):
         runner = SequenceRunner(team, team.index(name), config, blend)
-        for tick, stamp, recorded, replayed in _plans(runner, planning, States(run)):
+        for tick, stamp, recorded, replayed in _plans(runner, plan_topics, States(run)):
             if tick not in found:
-                found[tick] = stamp, np.full((2, len(run.planning) * width), np.nan)
+                found[tick] = stamp, np.full((2, len(run.plan_topics) * width), np.nan)
             mine = slice(place * width, place * width + recorded.size)
             found[tick][1][:, mine] = recorded, replayed
             done += 1
@@ -67,7 +67,7 @@ def replay_planner(question: Question) -> Outcome:
     both = np.array([found[tick][1] for tick in ticks])
     return Outcome(
         PLANNER,
-        tuple(joint for name in run.planning for joint in _columns(team, name, width)),
+        tuple(joint for name in run.plan_topics for joint in _columns(team, name, width)),
         np.array(ticks, np.int64),
         np.array([found[tick][0] for tick in ticks]),
         np.ascontiguousarray(both[:, 0]),
@@ -77,15 +77,15 @@ def replay_planner(question: Question) -> Outcome:
 
 
 def _plans(
-    runner: SequenceRunner, planning: Planning, states: States
+    runner: SequenceRunner, plan_topics: PlanTopics, states: States
 ) -> Iterator[tuple[int, float, Vector, Vector]]:
     """Yield tick, stamp [s], recorded and replayed velocities of every plan of one robot.
 
     Raises:
         BagError: the bag holds a change, but not what it changes.
     """
-    events = Arrivals([(event.sent, event) for event in planning.events])
-    plans = planning.plans
+    events = Arrivals([(event.sent, event) for event in plan_topics.events])
+    plans = plan_topics.plans
     tasks: tuple[SequenceTask, ...] = ()
     for row, tick in enumerate(plans.tick):
         for event in events.until(int(plans.sent[row])):
@@ -135,7 +135,7 @@ def _apply(
 
 
 def _plan(plans: PlanStream, row: int, robot: int) -> HeardPlan:
-    """Return a recorded plan as robot A took it."""
+    """Return a recorded plan as the controller took it."""
     times = np.asarray(plans.times[row])
     times = times[np.isfinite(times)]
     velocities = plans.velocity[row].reshape(len(times), -1)

@@ -1,7 +1,7 @@
-"""What users asked of robot A, as the bag shows it: which switch, when, and what was cancelled.
+"""What users asked of the controller, by the bag: which switch, when, and what was cancelled.
 
-A tells its source of every request that it accepted; its status tells duration and method, and
-what was cancelled.
+The controller tells its source of every request that it accepted; its status tells duration and
+method, and what was cancelled.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from lexstack_bag.run.run import Run, StackRequested, TransitionPhase
 from lexstack_config.resolved import ResolvedScenario
 
 _CANCELLED, _GOING_BACK = "cancelled", "going back"
-"""What robot A says in the reason of its status, see Transition.cancel."""
+"""What the controller says in the reason of its status, see Transition.cancel."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """A request to switch that robot A accepted.
+    """A request to switch that the controller accepted.
 
     Attributes:
-        after: the tick that A had served last; -1: none.
-        id: that A gave it.
+        after: the tick that the controller had served last; -1: none.
+        id: that the controller gave it.
         stack: where to go.
         at_tick: when to begin.
         duration: of the blend [s]; 0: as configured.
@@ -92,7 +92,7 @@ def _beginnings(run: Run) -> dict[int, tuple[int, float, str]]:
 
 
 def _reconstructed(run: Run, begun: Collection[int]) -> Iterator[Ask | Cancel]:
-    """Yield what was asked, gap by gap between two ticks of A; ``begun``: ids that did.
+    """Yield what was asked, gap by gap between two of its ticks; ``begun``: ids that did.
 
     The first active message of an id is the request. A cancellation drops what has not begun, and
     asks by itself to go back: those requests are not the user's.
@@ -127,7 +127,7 @@ def _some(run: Run, message: StackRequested) -> tuple[str, ...]:
 
 
 def _cancelled_after(run: Run) -> set[int]:
-    """Return the ticks after which robot A was told to cancel; -1: before the first."""
+    """Return the ticks after which the controller was told to cancel; -1: before the first."""
     status = run.transition
     told = [
         int(tick)

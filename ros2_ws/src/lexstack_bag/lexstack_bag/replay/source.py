@@ -13,7 +13,7 @@ from lexstack_bag.run.partial_chi import robots_of
 from lexstack_bag.run.run import ChiStream, Run, SolveStatus
 
 SOLVER = "robot_b"
-"""Whose chi robot B sends."""
+"""Whose chi the solver sends."""
 
 
 def heard_samples(run: Run, team: Team) -> Arrivals[SourceSample]:
@@ -22,13 +22,13 @@ def heard_samples(run: Run, team: Team) -> Arrivals[SourceSample]:
 
 
 def revision_of(chi: ChiStream, row: int) -> int | None:
-    """Return the revision of the references that B solved with, None where it is not known."""
+    """Return the revision of the references that the solver used, None where it is not known."""
     known = int(chi.references[row]) if len(chi.references) else 0
     return known or None
 
 
 def _slack(chi: ChiStream, row: int) -> float | None:
-    """Return what robot B said of level 1, None where it said nothing."""
+    """Return what the solver said of level 1, None where it said nothing."""
     known = chi.slacks.shape[1] > 0 and bool(np.isfinite(chi.slacks[row, 0]))
     return float(chi.slacks[row, 0]) if known else None
 

@@ -158,22 +158,24 @@ def _with_bands(
 
 def _after(side: Analysis, phase: Phase, which: int) -> list[Plain]:
     """Return the traces of one run around one switch."""
-    run, measures, status = side.run, side.measures, side.run.transition
+    run, time_series, status = side.run, side.time_series, side.run.transition
     begin, end = phase.start - _BEFORE, phase.end
     dash, ordinal = _DASHES[which], ("first", "second")[which]
     traces = []
-    for row, errors in enumerate((measures.ee_error, measures.base_error), start=1):
+    for row, errors in enumerate((time_series.ee_error, time_series.base_error), start=1):
         for i, robot in enumerate(run.robots):
-            series = _cut(measures.time, np.maximum(errors[:, i], _LEAST), begin, end, phase.start)
+            series = _cut(
+                time_series.time, np.maximum(errors[:, i], _LEAST), begin, end, phase.start
+            )
             name = f"{robot}, {ordinal}"
             style: dict[str, Any] = {"row": row, "dash": dash, "unit": "mm", "legend": row == 1}
             traces.append(line(series, name, ROBOTS[i % len(ROBOTS)], **style))
     mine = _rows(status.robots, (phase.robots or run.robots)[0], len(status.tick))
     series = _cut(status.stamp[mine], status.alpha[mine], begin, end, phase.start)
     traces.append(line(series, f"α, {ordinal}", "#000000", row=3, dash=dash))
-    ratios = measures.acceleration_ratio
+    ratios = time_series.acceleration_ratio
     worst = np.max(np.where(np.isnan(ratios), 0.0, ratios), axis=1, initial=0.0)
-    series = _cut(measures.command_time, worst, begin, end, phase.start)
+    series = _cut(time_series.command_time, worst, begin, end, phase.start)
     traces.append(line(series, f"acceleration, {ordinal}", SERIES[3], row=4, dash=dash))
     return traces
 
@@ -201,8 +203,12 @@ def _commands(sides: Sides) -> Figure:
             name = ("first", "second")[which]
             style: dict[str, Any] = {"dash": _DASHES[which], "unit": unit, "visible": joint == 0}
             traces.append(line(series, name, SERIES[which], **style))
-    begins = [float(side.measures.time[0]) - zero for side, zero in zip(sides, zeros, strict=True)]
-    ends = [float(side.measures.time[-1]) - zero for side, zero in zip(sides, zeros, strict=True)]
+    begins = [
+        float(side.time_series.time[0]) - zero for side, zero in zip(sides, zeros, strict=True)
+    ]
+    ends = [
+        float(side.time_series.time[-1]) - zero for side, zero in zip(sides, zeros, strict=True)
+    ]
     layout = stacked(["command χ [m/s, rad/s]"], 320, (), (min(begins), max(ends)))
     layout["xaxis"]["title"]["text"] = _SINCE_FIRST
     figure = Figure(

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from lexstack_bag.figures.phases import Phase
-from lexstack_bag.figures.series import COMMANDER, Measures
+from lexstack_bag.figures.series import COMMANDER, TimeSeries
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.layout import level, stacked
 from lexstack_bag.report.traces import (
@@ -60,9 +60,9 @@ def computation(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure:
         "computation",
         "Solve times, α and the gap",
         "Fig. 9 of the paper. Top: wall-clock time from state to χ in each robot's own process; "
-        f"medians: {', '.join(medians) or 'none'}. Robot B solves only while a stack is prepared "
-        "or blended. Middle: α of the blends. Bottom: the largest difference over the joints "
-        "between the command and the source's χ.",
+        f"medians: {', '.join(medians) or 'none'}. The solver solves only while a stack is "
+        "prepared or blended. Middle: α of the blends. Bottom: the largest difference over the "
+        "joints between the command and the source's χ.",
         traces,
         stacked(["solve time [ms]", "α [-]", "gap [m/s, rad/s]"], 160, phases, grid.span),
     )
@@ -78,11 +78,11 @@ def _transitions(run: Run, under_way: NDArray[np.bool_]) -> list[tuple[str, Any]
     return [(names[group], under_way & (robots == group)) for group in groups]
 
 
-def smoothness(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> Figure:
+def smoothness(run: Run, time_series: TimeSeries, phases: Sequence[Phase], grid: Grid) -> Figure:
     """Return the command's acceleration and jerk at every tick, over the limits."""
     ticks = run.chi[COMMANDER].tick
     traces: list[Plain] = []
-    for row, ratios in enumerate((measures.acceleration_ratio, measures.jerk_ratio), start=1):
+    for row, ratios in enumerate((time_series.acceleration_ratio, time_series.jerk_ratio), start=1):
         known = np.isfinite(ratios).any(axis=1)
         worst = np.full(len(ratios), np.nan)
         worst[known] = np.nanmax(ratios[known], axis=1)
@@ -126,9 +126,9 @@ def levels(run: Run, phases: Sequence[Phase], grid: Grid) -> Figure | None:
     return Figure(
         "levels",
         "What each level leaves",
-        "The 2-norm of the residual of each level in robot A's problem, level 1 first, in the "
-        "units of the level's tasks. While a blend runs these are the levels of the blend. Values "
-        "below 1e-9 are drawn there.",
+        "The 2-norm of the residual of each level in the controller's problem, level 1 first, "
+        "in the units of the level's tasks. While a blend runs these are the levels of the blend. "
+        "Values below 1e-9 are drawn there.",
         traces,
         layout,
     )

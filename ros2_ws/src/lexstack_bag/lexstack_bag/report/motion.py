@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lexstack_bag.figures.phases import Phase
-from lexstack_bag.figures.series import Measures
+from lexstack_bag.figures.series import TimeSeries
 from lexstack_bag.report.blocks import Path, Span, paths_from_above, timeline
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.layout import level, stacked
@@ -17,14 +17,14 @@ from lexstack_bag.run.run import Run
 _AXES = (("x", BLUE), ("y", VERMILLION))
 
 
-def poses(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> Figure:
+def poses(run: Run, time_series: TimeSeries, phases: Sequence[Phase], grid: Grid) -> Figure:
     """Return the paper's Fig. 5: end effectors and bases, measured and desired."""
     rows = [
-        (f"{name} EE [m]", measures.ee[:, i], measures.ee_target[:, i], "z")
+        (f"{name} EE [m]", time_series.ee[:, i], time_series.ee_target[:, i], "z")
         for i, name in enumerate(run.robots)
     ]
     rows += [
-        (f"{name} base [m, rad]", measures.base[:, i], measures.base_target[:, i], "yaw")
+        (f"{name} base [m, rad]", time_series.base[:, i], time_series.base_target[:, i], "yaw")
         for i, name in enumerate(run.robots)
     ]
     traces = []
@@ -57,10 +57,10 @@ def poses(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> 
     )
 
 
-def errors(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) -> Figure:
+def errors(run: Run, time_series: TimeSeries, phases: Sequence[Phase], grid: Grid) -> Figure:
     """Return the distances to the references, on logarithmic axes."""
     traces = []
-    for row, values in enumerate((measures.ee_error, measures.base_error), start=1):
+    for row, values in enumerate((time_series.ee_error, time_series.base_error), start=1):
         for i, name in enumerate(run.robots):
             shown = np.maximum(values[:, i], 1e-3)  # a logarithm has no zero
             series = grid.series(run.plant.tick, shown)
@@ -82,19 +82,19 @@ def errors(run: Run, measures: Measures, phases: Sequence[Phase], grid: Grid) ->
     )
 
 
-def from_above(run: Run, measures: Measures) -> Figure:
+def from_above(run: Run, time_series: TimeSeries) -> Figure:
     """Return the ways of bases and end effectors over the floor."""
     paths = []
     for i, name in enumerate(run.robots):
         color = ROBOTS[i % len(ROBOTS)]
-        base, tool = measures.base[:, i], measures.ee[:, i]
+        base, tool = time_series.base[:, i], time_series.ee[:, i]
         paths.append(Path(f"{name} base", base[:, 0], base[:, 1], color, "solid"))
         paths.append(Path(f"{name} EE", tool[:, 0], tool[:, 1], color, "dot"))
     obstacles = run.team().obstacles
-    begin = obstacles.at(float(measures.time[0]))
+    begin = obstacles.at(float(time_series.time[0]))
     circles = [(c[0], c[1], r) for c, r in zip(begin.tolist(), obstacles.radii, strict=True)]
     targets = {
-        f"last EE target, {name}": tuple(measures.ee_target[-1, i, :2].tolist())
+        f"last EE target, {name}": tuple(time_series.ee_target[-1, i, :2].tolist())
         for i, name in enumerate(run.robots)
     }
     return paths_from_above(
@@ -122,8 +122,8 @@ def stacks(phases: Sequence[Phase], grid: Grid) -> Figure:
     return timeline(
         "timeline",
         "Stacks over time",
-        "Top: the stack that robot A is on or on its way to. Below: from the trigger until the "
-        "stack was taken over.",
+        "Top: the stack that the controller is on or on its way to. Below: from the trigger "
+        "until the stack was taken over.",
         spans,
         grid.span,
     )

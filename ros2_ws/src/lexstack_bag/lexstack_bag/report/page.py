@@ -113,7 +113,7 @@ def _notes(run: Run, metrics: Metrics) -> list[str]:
     if metrics.gaps:
         notes.append(f"Gaps: {'; '.join(metrics.gaps)}. Lines in the plots are broken there.")
     if metrics.singular:
-        notes.append(f"Robot A told of singularities. {'; '.join(metrics.singular)}.")
+        notes.append(f"The controller told of singularities. {'; '.join(metrics.singular)}.")
     others = other_parts(run)
     if others:
         notes.append(
@@ -126,5 +126,5 @@ def _notes(run: Run, metrics: Metrics) -> list[str]:
 
 def _versions(run: Run) -> str:
     """Return the versions that made the run."""
-    known = [f"{k} {v}" for k, v in run.facts.items() if k not in ("name", "mode", "seed")]
+    known = [f"{k} {v}" for k, v in run.provenance.items() if k not in ("name", "mode", "seed")]
     return ", ".join(known) or "versions that the bag does not name"

@@ -11,7 +11,7 @@ import numpy as np
 from markupsafe import Markup
 
 from lexstack_bag.figures.phases import Phase
-from lexstack_bag.figures.series import Measures
+from lexstack_bag.figures.series import TimeSeries
 from lexstack_bag.report.figure import letters
 from lexstack_bag.run.run import Run
 
@@ -28,7 +28,9 @@ class Picture:
     uri: str  # data:image/jpeg;base64,...
 
 
-def pictures(run: Run, measures: Measures, phases: Sequence[Phase]) -> tuple[list[Picture], str]:
+def pictures(
+    run: Run, time_series: TimeSeries, phases: Sequence[Phase]
+) -> tuple[list[Picture], str]:
     """Return the pictures at every trigger and at the end, or none and the reason.
 
     Rendering needs the simulation package and OpenGL; whatever keeps it from working, the report
@@ -39,7 +41,9 @@ def pictures(run: Run, measures: Measures, phases: Sequence[Phase]) -> tuple[lis
     try:
         from lexstack_sim.render import snapshots  # noqa: PLC0415 - optional, and slow to load
 
-        targets = [dict(zip(run.robots, measures.references[row].ee, strict=True)) for row in rows]
+        targets = [
+            dict(zip(run.robots, time_series.references[row].ee, strict=True)) for row in rows
+        ]
         stamps = [float(run.plant.stamp[row]) for row in rows]
         images = snapshots(run.resolved, [run.plant.q[row] for row in rows], targets, stamps)
         encoded = [_jpeg(image) for image in images]

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from lexstack.types import Matrix, Vector
 from lexstack_bag.figures.figures import Metrics
 from lexstack_bag.figures.phases import Phase
-from lexstack_bag.figures.series import Measures
+from lexstack_bag.figures.series import TimeSeries
 from lexstack_bag.report.blocks import Path, Span, paths_from_above, series, timeline
 from lexstack_bag.report.figure import Figure
 from lexstack_bag.report.html import render
@@ -25,14 +25,14 @@ _FINEST = 1e-9  # s
 
 
 def figures(
-    run: Run, measures: Measures, phases: Sequence[Phase], metrics: Metrics
+    run: Run, time_series: TimeSeries, phases: Sequence[Phase], metrics: Metrics
 ) -> list[Figure]:
     """Return the figures of a run's sequences; none without sequences."""
     if not metrics.sequences:
         return []
     return [
-        _tasks(metrics.sequences, measures),
-        _from_above(run, measures, metrics.sequences),
+        _tasks(metrics.sequences, time_series),
+        _from_above(run, time_series, metrics.sequences),
         _errors(run, phases),
         _solve_times(run, phases),
     ]
@@ -96,14 +96,14 @@ def _done(seconds: float | None) -> str:
     return "not done" if seconds is None else f"{seconds:.2f}"
 
 
-def _tasks(sequences: Sequence[SequenceMetrics], measures: Measures) -> Figure:
+def _tasks(sequences: Sequence[SequenceMetrics], time_series: TimeSeries) -> Figure:
     """Return which task was the first one when."""
     spans = [
         Span(one.title, _kind(task.name), task.first_s, task.done_s or one.end_s)
         for one in sequences
         for task in one.tasks
     ]
-    whole = float(measures.time[0]), float(measures.time[-1])
+    whole = float(time_series.time[0]), float(time_series.time[-1])
     return timeline(
         "tasks",
         "Tasks over time",
@@ -113,7 +113,7 @@ def _tasks(sequences: Sequence[SequenceMetrics], measures: Measures) -> Figure:
     )
 
 
-def _from_above(run: Run, measures: Measures, sequences: Sequence[SequenceMetrics]) -> Figure:
+def _from_above(run: Run, time_series: TimeSeries, sequences: Sequence[SequenceMetrics]) -> Figure:
     """Return the ways of bases and tools while sequences were under way, and their goals.
 
     Two architectures are laid over each other, from where each base began.
@@ -121,11 +121,14 @@ def _from_above(run: Run, measures: Measures, sequences: Sequence[SequenceMetric
     compared = len({one.architecture for one in sequences}) > 1
     paths = []
     for i, one in enumerate(sequences):
-        inside = (measures.time >= one.begun_s) & (measures.time <= one.end_s)
+        inside = (time_series.time >= one.begun_s) & (time_series.time <= one.end_s)
         robot = run.robots.index(one.robot)
         color = SERIES[i % len(SERIES)] if compared else ROBOTS[robot % len(ROBOTS)]
         x0, y0 = _origin(run, one.robot) if compared else (0.0, 0.0)
-        for what, places, dash in (("base", measures.base, "solid"), ("tool", measures.ee, "dot")):
+        for what, places, dash in (
+            ("base", time_series.base, "solid"),
+            ("tool", time_series.ee, "dot"),
+        ):
             x, y = places[inside, robot, 0] - x0, places[inside, robot, 1] - y0
             paths.append(Path(f"{one.title}: {what}", x, y, color, dash))
     where = "Both from where their bases began. " if compared else ""
@@ -142,12 +145,12 @@ def _from_above(run: Run, measures: Measures, sequences: Sequence[SequenceMetric
 def _goals(run: Run, *, relative: bool) -> dict[str, tuple[float, float]]:
     """Return where the tasks' goals are, by name [m]; those at one place once."""
     goals: dict[str, tuple[float, float]] = {}
-    for name, planning in run.planning.items():
+    for name, plan_topics in run.plan_topics.items():
         x0, y0 = _origin(run, name) if relative else (0.0, 0.0)
-        for task in goals_in(planning).values():
+        for task in goals_in(plan_topics).values():
             x, y = task.points[-1][0] - x0, task.points[-1][1] - y0
             known = any(abs(x - a) + abs(y - b) < _PLACES for a, b in goals.values())
-            whose = "" if len(run.planning) == 1 or relative else f", {name}"
+            whose = "" if len(run.plan_topics) == 1 or relative else f", {name}"
             if not known:
                 goals.setdefault(_kind(task.name) + whose, (x, y))
     return goals
@@ -163,8 +166,8 @@ def _errors(run: Run, phases: Sequence[Phase]) -> Figure:
     """Return how far each level is from its reference, on logarithmic axes."""
     time, places = _times(run)
     rows = []
-    for name, planning in run.planning.items():
-        progress = planning.progress
+    for name, plan_topics in run.plan_topics.items():
+        progress = plan_topics.progress
         errors = np.maximum(1e3 * np.asarray(progress.errors), _LEAST)
         goal = np.maximum(1e3 * progress.error, _LEAST)
         values = {
@@ -189,8 +192,8 @@ def _solve_times(run: Run, phases: Sequence[Phase]) -> Figure:
     """Return the solve time of every plan."""
     time, places = _times(run)
     values = {
-        name: _placed(1e3 * planning.progress.solve_time, places[name], len(time))
-        for name, planning in run.planning.items()
+        name: _placed(1e3 * plan_topics.progress.solve_time, places[name], len(time))
+        for name, plan_topics in run.plan_topics.items()
     }
     period = 1e3 / run.resolved.scenario.htmpc.rate
     return series(
@@ -206,7 +209,7 @@ def _solve_times(run: Run, phases: Sequence[Phase]) -> Figure:
 def _times(run: Run) -> tuple[Vector, dict[str, Matrix]]:
     """Return the even times of plans [s], and where on them each robot's plans are."""
     streams: dict[str, ProgressStream] = {
-        name: planning.progress for name, planning in run.planning.items()
+        name: plan_topics.progress for name, plan_topics in run.plan_topics.items()
     }
     stamps = np.unique(np.concatenate([stream.stamp for stream in streams.values()]))
     steps = np.diff(stamps)

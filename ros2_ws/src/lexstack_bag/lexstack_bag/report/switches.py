@@ -23,9 +23,9 @@ SOURCE = "robot_b"  # whose chi is the target of a transition
 _BASE_NAMES = ("x", "y", "yaw")
 _TITLE = Markup("{} {} → {}: χ<sub>B</sub> and the command")
 _CAPTION = Markup(
-    "Fig. {} of the paper. Dashed: χ<sub>B</sub>, robot B's solution of <b>{}</b>, which jumps at "
-    "the trigger (solid vertical line). Solid: the command, which goes to it smoothly; where the "
-    "dotted line stands, robot A has taken the stack over."
+    "Fig. {} of the paper. Dashed: χ<sub>B</sub>, the solver's solution of <b>{}</b>, which "
+    "jumps at the trigger (solid vertical line). Solid: the command, which goes to it smoothly; "
+    "where the dotted line stands, the controller has taken the stack over."
 )
 _BEFORE, _AFTER = 0.4, 0.8  # s, shown around the blend
 _MOST = 8  # switches that are drawn: keeps the file of a long run small
@@ -44,7 +44,7 @@ def switches(run: Run, phases: Sequence[Phase], grid: Grid) -> list[Figure]:
 def _switch(run: Run, label: str, before: Phase, phase: Phase, grid: Grid) -> Figure:
     """Return the figure of one switch."""
     arrival = phase.end if phase.adopted is None else phase.adopted
-    # Where B is not followed to the end of a blend, two seconds show what happens.
+    # Where the solver is not followed to the end of a blend, two seconds show what happens.
     span = phase.start - _BEFORE, min(arrival + _AFTER, phase.end, phase.start + 4.0)
     team = run.team()
     parts, units = team.slices, [speed for robot in team.robots for speed in _speeds(robot)]

@@ -11,7 +11,7 @@ import numpy as np
 from lexstack.types import Vector
 from lexstack_bag.errors import BagError
 from lexstack_bag.figures.phases import Phase
-from lexstack_bag.figures.series import Measures
+from lexstack_bag.figures.series import TimeSeries
 from lexstack_bag.run.run import Run
 
 _FPS = 25
@@ -23,7 +23,7 @@ _INK, _PLATE = (29, 39, 51), (255, 255, 255)
 def write_video(
     path: Path,
     run: Run,
-    measures: Measures,
+    time_series: TimeSeries,
     phases: Sequence[Phase],
     progress: Callable[[float], None] = lambda _part: None,
 ) -> int:
@@ -32,7 +32,7 @@ def write_video(
     Args:
         path: of the mp4 file (H.264), overwritten.
         run: the run.
-        measures: its references.
+        time_series: its references.
         phases: its stacks, written into the picture.
         progress: told the part that is done, 0 to 1.
 
@@ -46,16 +46,16 @@ def write_video(
         from lexstack_sim.render import Renderer  # noqa: PLC0415 - optional, and slow to load
     except ImportError as error:
         raise BagError(f"no video: {error}; run ./scripts/setup") from error
-    rows = _rows(measures.time)
+    rows = _rows(time_series.time)
     with Renderer(run.team(), _SIZE, fast=True) as renderer:
         seen = rows[np.linspace(0, len(rows) - 1, _SAMPLES).astype(int)]
-        poses = [pose for row in seen for pose in measures.references[row].ee]
+        poses = [pose for row in seen for pose in time_series.references[row].ee]
         renderer.frame([run.plant.q[row] for row in seen], poses)
         # Without yuv420p browsers show nothing.
         film = write_frames(str(path), _SIZE, fps=_FPS, pix_fmt_out="yuv420p", quality=7)
         film.send(None)
         try:
-            for done, image in enumerate(_pictures(renderer, run, measures, phases, rows), 1):
+            for done, image in enumerate(_pictures(renderer, run, time_series, phases, rows), 1):
                 film.send(np.ascontiguousarray(image))
                 progress(done / len(rows))
         except OSError as error:
@@ -73,13 +73,13 @@ def _rows(time: Vector) -> Any:
 
 
 def _pictures(
-    renderer: Any, run: Run, measures: Measures, phases: Sequence[Phase], rows: Any
+    renderer: Any, run: Run, time_series: TimeSeries, phases: Sequence[Phase], rows: Any
 ) -> Iterator[Any]:
     """Yield the pictures with time and stack written into them."""
     starts = np.array([phase.start for phase in phases])
     for row in rows:
-        time = float(measures.time[row])
-        targets = dict(zip(run.robots, measures.references[row].ee, strict=True))
+        time = float(time_series.time[row])
+        targets = dict(zip(run.robots, time_series.references[row].ee, strict=True))
         image = renderer.picture(run.plant.q[row], targets, time)
         phase = phases[max(0, int(np.searchsorted(starts, time + 1e-6, "right")) - 1)]
         yield _labelled(image, f"{time:.2f} s   {phase.stack}")

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from lexstack.robots import to_quaternion
 from lexstack.types import Vector
 from lexstack_bag.figures.phases import Phase
-from lexstack_bag.figures.series import Measures
+from lexstack_bag.figures.series import TimeSeries
 from lexstack_bag.report.figure import letters
 from lexstack_bag.report.html import json_text, render
 from lexstack_bag.report.traces import ROBOTS, Plain, packed
@@ -22,7 +22,7 @@ _MOST_MARKS = 20
 _MARGIN = np.array([0.5, 0.5, 0.1])  # m, around tools and bases
 
 
-def view(run: Run, measures: Measures, phases: Sequence[Phase]) -> tuple[Markup, str]:
+def view(run: Run, time_series: TimeSeries, phases: Sequence[Phase]) -> tuple[Markup, str]:
     """Return the section with the 3-D view and its data, or a note, and why there is no view.
 
     The robots' shapes come from the simulation package; a report can do without.
@@ -34,47 +34,47 @@ def view(run: Run, measures: Measures, phases: Sequence[Phase]) -> tuple[Markup,
     except Exception as error:  # noqa: BLE001 - whatever keeps it from working, the rest stands
         reason = f"{type(error).__name__}: {' '.join(str(error).split()) or 'no message'}"
         return render("view.html", reason=reason), reason
-    data = json_text({"scene": shapes, **play_data(run, measures, phases)})
+    data = json_text({"scene": shapes, **play_data(run, time_series, phases)})
     return render("view.html", reason="", data=data), ""
 
 
-def play_data(run: Run, measures: Measures, phases: Sequence[Phase]) -> Plain:
+def play_data(run: Run, time_series: TimeSeries, phases: Sequence[Phase]) -> Plain:
     """Return the frames, paths and marks of a run for ``player.js``."""
-    count = len(measures.time)
+    count = len(time_series.time)
     rows = np.unique(np.linspace(0, count - 1, min(count, _MOST_FRAMES)).round().astype(int))
     obstacles = run.team().obstacles
-    centers = np.array([obstacles.at(float(time)) for time in measures.time[rows]])
+    centers = np.array([obstacles.at(float(time)) for time in time_series.time[rows]])
     frames = {
-        "time": measures.time[rows],
+        "time": time_series.time[rows],
         "q": run.plant.q[rows],
         "obstacles": centers,
-        "alpha": _alpha(run, measures.time[rows]),
+        "alpha": _alpha(run, time_series.time[rows]),
     }
     switches = list(zip(letters(phases), phases[1:], strict=True))[:_MOST_MARKS]
     return {
         "frames": {name: packed(values) for name, values in frames.items()},
-        "targets": _targets(measures),
-        "paths": _paths(measures),
+        "targets": _targets(time_series),
+        "paths": _paths(time_series),
         "radii": obstacles.radii.tolist(),
-        "box": _box(measures),
+        "box": _box(time_series),
         "marks": [{"label": k, "time": phase.start, "name": phase.title} for k, phase in switches],
         "stacks": [{"name": phase.title, "start": phase.start} for phase in phases],
     }
 
 
-def _targets(measures: Measures) -> Plain:
+def _targets(time_series: TimeSeries) -> Plain:
     """Return position and quaternion of the end effectors' references, 7 N, from what time on."""
     changed = [0]
-    for i, now in enumerate(measures.references):
-        if now is not measures.references[changed[-1]]:  # they stay one object while they hold
+    for i, now in enumerate(time_series.references):
+        if now is not time_series.references[changed[-1]]:  # they stay one object while they hold
             changed.append(i)
     stride = -(-len(changed) // _MOST_FRAMES)  # of targets that move all the time
     rows = changed[::stride]
     poses = [
         np.concatenate([[*pose.position, *to_quaternion(pose.rotation)] for pose in now.ee])
-        for now in (measures.references[row] for row in rows)
+        for now in (time_series.references[row] for row in rows)
     ]
-    return {"from": packed(measures.time[rows]), "poses": packed(np.array(poses))}
+    return {"from": packed(time_series.time[rows]), "poses": packed(np.array(poses))}
 
 
 def _alpha(run: Run, times: Vector) -> Vector:
@@ -87,21 +87,23 @@ def _alpha(run: Run, times: Vector) -> Vector:
     return np.where(blending, status.alpha[last], np.nan)
 
 
-def _paths(measures: Measures) -> list[Plain]:
+def _paths(time_series: TimeSeries) -> list[Plain]:
     """Return the lines that tools and bases went along."""
-    stride = -(-len(measures.time) // _MOST_POINTS)
+    stride = -(-len(time_series.time) // _MOST_POINTS)
     paths = []
-    for i in range(measures.ee.shape[1]):
-        base = measures.base[::stride, i].copy()
+    for i in range(time_series.ee.shape[1]):
+        base = time_series.base[::stride, i].copy()
         base[:, 2] = 0.005  # m, above the floor
-        paths.append({"color": ROBOTS[i % len(ROBOTS)], "points": packed(measures.ee[::stride, i])})
+        paths.append(
+            {"color": ROBOTS[i % len(ROBOTS)], "points": packed(time_series.ee[::stride, i])}
+        )
         paths.append({"color": "#333333", "points": packed(base)})
     return paths
 
 
-def _box(measures: Measures) -> list[list[float]]:
+def _box(time_series: TimeSeries) -> list[list[float]]:
     """Return the lower and upper corner [m] of what the robots reach."""
-    base = measures.base.reshape(-1, 3) * (1, 1, 0)
-    points = np.concatenate([measures.ee.reshape(-1, 3), base])
+    base = time_series.base.reshape(-1, 3) * (1, 1, 0)
+    points = np.concatenate([time_series.ee.reshape(-1, 3), base])
     lower, upper = points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN
     return [[*lower[:2].tolist(), 0.0], upper.tolist()]

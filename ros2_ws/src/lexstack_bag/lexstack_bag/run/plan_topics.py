@@ -13,7 +13,7 @@ from lexstack.errors import InputError
 from lexstack.mpc import MEASURES, SequenceTask
 from lexstack_bag.errors import BagError
 from lexstack_bag.run.columns import StreamBuilder, seconds
-from lexstack_bag.run.run import Planning, PlanStream, ProgressStream, SequenceEvent
+from lexstack_bag.run.run import PlanStream, PlanTopics, ProgressStream, SequenceEvent
 from lexstack_bag.topics import PLAN, PROGRESS, SEQUENCE
 
 
@@ -57,7 +57,7 @@ class _Robot:
         return cls(PlanBuilder(rate), StreamBuilder(ProgressStream, 1, "all"), [])
 
 
-class PlanningCollector:
+class PlanTopicsCollector:
     """Takes the messages of the HTMPC."""
 
     def __init__(self, robots: Collection[str], rate: float, *, plans: bool) -> None:
@@ -86,7 +86,7 @@ class PlanningCollector:
         plan = topic == PLAN
         name = next(iter(message.joint_names), "").partition("/")[0] if plan else message.robot
         if name not in self._names or (plan and not message.points):
-            return True  # robot A refuses it
+            return True  # the controller refuses it
         robot = self._robots.setdefault(name, _Robot.new(self._rate))
         if plan:
             robot.plans.add(message, sent)
@@ -96,10 +96,10 @@ class PlanningCollector:
             robot.events.append(_event(message, sent))
         return True
 
-    def build(self) -> dict[str, Planning]:
+    def build(self) -> dict[str, PlanTopics]:
         """Return what was collected, by robot in the order of the scenario."""
         return {
-            name: Planning(
+            name: PlanTopics(
                 self._robots[name].plans.build(),
                 self._robots[name].progress.build(),
                 tuple(sorted(self._robots[name].events, key=lambda event: event.sent)),

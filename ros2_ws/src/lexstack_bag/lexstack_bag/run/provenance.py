@@ -26,7 +26,7 @@ _PATIENCE = 5.0  # s for git to answer
 UNKNOWN = "unknown"
 
 
-def run_facts(resolved: ResolvedScenario) -> dict[str, str]:
+def run_provenance(resolved: ResolvedScenario) -> dict[str, str]:
     """Return the keys of the Metadata record ``lexstack``.
 
     ``scenario`` holds the resolved scenario's YAML; ``name``, ``mode`` and ``seed`` repeat what

@@ -20,7 +20,7 @@ from lexstack_bag.errors import BagError
 from lexstack_bag.run.columns import StreamBuilder, seconds
 from lexstack_bag.run.loss import LossCounter
 from lexstack_bag.run.partial_chi import ChiBuilder
-from lexstack_bag.run.plan_topics import PlanningCollector
+from lexstack_bag.run.plan_topics import PlanTopicsCollector
 from lexstack_bag.run.references import is_usable
 from lexstack_bag.run.run import (
     PlantStream,
@@ -75,13 +75,13 @@ def read_parts(
     """
     files = find_files(path)
     container = Container(files)
-    facts, resolved = read_facts(container)
+    provenance, resolved = read_provenance(container)
     team = build_team(resolved)
     collector = _Collector(resolved, team, plans=plans)
     for message in container.messages(progress):
         collector.add(message)
     if len(collector.stretches.found) < 2:
-        return (collector.run(files[0], facts, container),)
+        return (collector.run(files[0], provenance, container),)
     parts_found = without_strangers(collector.stretches.found)
     collectors = [_Collector(resolved, team, plans=plans, only=part) for part in parts_found]
     begins = np.maximum.accumulate([part.sent for part in parts_found]).tolist()
@@ -89,7 +89,7 @@ def read_parts(
         # Topics arrive in any order: the time of sending says which part a message belongs to.
         collectors[max(bisect_right(begins, message.publish_time) - 1, 0)].add(message)
     found = [each for each in collectors if each.stretches.found]  # clocks may have gone back
-    runs = [each.run(files[0], facts, container) for each in found]
+    runs = [each.run(files[0], provenance, container) for each in found]
     lost = _lost(container, collector.losses)
     if len(runs) == 1:
         return (replace(runs[0], lost=lost),)
@@ -102,18 +102,18 @@ def read_parts(
     )
 
 
-def read_facts(container: Container) -> tuple[dict[str, str], ResolvedScenario]:
+def read_provenance(container: Container) -> tuple[dict[str, str], ResolvedScenario]:
     """Return what a bag says about its run, and the scenario.
 
     The scenario stands in a Metadata record if lexstack's recorder wrote the bag; in any other bag
-    it is the message that robot A publishes.
+    it is the message that the controller publishes.
 
     Raises:
         BagError: the bag has neither.
     """
     path = container.files[0]
-    facts = container.first_metadata(SCENARIO_RECORD)
-    text = facts.pop("scenario", None) or _published_scenario(container)
+    provenance = container.first_metadata(SCENARIO_RECORD)
+    text = provenance.pop("scenario", None) or _published_scenario(container)
     if text is None:
         raise BagError(
             f"{path}: not a lexstack bag: it holds neither a Metadata record {SCENARIO_RECORD!r} "
@@ -123,7 +123,7 @@ def read_facts(container: Container) -> tuple[dict[str, str], ResolvedScenario]:
         resolved = ResolvedScenario.from_yaml(text, f"{path}: scenario", _since())
     except ConfigurationError as error:
         raise BagError(str(error)) from error
-    return facts, resolved
+    return provenance, resolved
 
 
 def _since() -> dict[str, object]:
@@ -138,7 +138,7 @@ def _since() -> dict[str, object]:
 
 
 def _published_scenario(container: Container) -> str | None:
-    """Return the scenario that robot A published, or None; raises BagError."""
+    """Return the scenario that the controller published, or None; raises BagError."""
     decode = Decoder()
     for message in container.messages():
         if message.topic == SCENARIO:
@@ -167,7 +167,7 @@ class _Collector:
         self._transition = StreamBuilder(TransitionStream, team.n, "all")
         self._chi = {topic: ChiBuilder(team) for topic in (COMMAND, SOLUTION)}
         scenario = resolved.scenario
-        self._planning = PlanningCollector(scenario.robots, scenario.rate, plans=plans)
+        self._plan_topics = PlanTopicsCollector(scenario.robots, scenario.rate, plans=plans)
         self._targets: list[Target] = []
         self._settings: list[Setting] = []
         self._requested: list[tuple[int, Any]] = []  # time of sending [ns], message
@@ -195,7 +195,7 @@ class _Collector:
             self._add_setting(message)
         elif topic == REQUEST:
             self._requested.append((message.publish_time, self._decode(message)))
-        elif not self._planning.add(topic, partial(self._decode, message), message.publish_time):
+        elif not self._plan_topics.add(topic, partial(self._decode, message), message.publish_time):
             self._add_target(message)
 
     def _add_state(self, state: Any, sent: int) -> None:
@@ -207,7 +207,7 @@ class _Collector:
         if self._plant.add(state):
             self._begin_anew()
 
-    def run(self, path: Path, facts: dict[str, str], container: Container) -> Run:
+    def run(self, path: Path, provenance: dict[str, str], container: Container) -> Run:
         """Return the Run of all that was collected; raises BagError without a plant."""
         plant = self._plant.build()
         if not len(plant.tick):
@@ -215,7 +215,7 @@ class _Collector:
         chi = {topic.split("/")[1]: builder.build() for topic, builder in self._chi.items()}
         return Run(
             path,
-            facts,
+            provenance,
             self._resolved,
             plant,
             {node: last for node, (last, _) in chi.items()},
@@ -226,7 +226,7 @@ class _Collector:
             container.complete,
             self._requests(),
             {node: replaced for node, (_, replaced) in chi.items()},
-            self._planning.build(),
+            self._plan_topics.build(),
             tuple(self._settings),
         )
 
@@ -234,7 +234,7 @@ class _Collector:
         """Forget what a reset of the plant makes void: requests, and references set by users."""
         self._requested.clear()
         self._targets.clear()
-        self._planning.begin_anew()
+        self._plan_topics.begin_anew()
         for builder in self._chi.values():
             builder.begin_anew()
 
@@ -247,7 +247,7 @@ class _Collector:
             at = seconds(value.header.stamp)
             setting = decode(at, value.revision, vectors, robots, DECISIONS)
         except InputError:
-            return  # robot B refused it, too
+            return  # the solver refused it, too
         if self._settings and setting.at < self._settings[-1].at:
             self._settings.clear()
         self._settings.append(setting)
@@ -271,7 +271,7 @@ class _Collector:
             self._targets.append(target)
 
     def _requests(self) -> tuple[StackRequested, ...]:
-        """Return the requests to robot B between the commands of robot A, by A's own clock."""
+        """Return the requests to the solver between the controller's commands, by its own clock."""
         times, ticks = (np.frombuffer(column, np.int64) for column in self._commanded)
         found = []
         for sent, message in sorted(self._requested, key=lambda entry: entry[0]):

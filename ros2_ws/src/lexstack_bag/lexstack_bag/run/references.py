@@ -28,10 +28,10 @@ def is_usable(target: Target) -> bool:
 
 
 def references_in_effect(run: Run, team: Team) -> tuple[References, ...]:
-    """Return the goals at every tick of the plant: what robot A decided, in older bags the targets.
+    """Return the goals at every tick of the plant: the decisions, in older bags the targets.
 
-    A set-point that is led in counts as its goal. Robot A may put a change off by the few ticks
-    until robot B answers; that is not seen here.
+    A set-point that is led in counts as its goal. The controller may put a change off by the few
+    ticks until the solver answers; that is not seen here.
     """
     if run.settings:
         return _goals(run)

@@ -24,7 +24,7 @@ from lexstack_config.parts import build_team
 from lexstack_config.resolved import ResolvedScenario
 
 __all__ = [
-    "ChiStream", "Integers", "Names", "PlanStream", "Planning", "PlantStatus", "PlantStream",
+    "ChiStream", "Integers", "Names", "PlanStream", "PlanTopics", "PlantStatus", "PlantStream",
     "ProgressStream", "Ragged", "Run", "RunPart", "SequenceEvent", "Single", "SolveStatus",
     "StackRequested", "Strings", "Target", "TransitionPhase", "TransitionStream", "read_only",
 ]  # fmt: skip
@@ -121,9 +121,9 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class StackRequested:
-    """One ``/robot_a/stack_request``: what robot A told its source that it shall solve."""
+    """One ``/robot_a/stack_request``: what the controller told its source that it shall solve."""
 
-    after: int  # tick of the command that A had sent last; -1: none
+    after: int  # tick of the command that the controller had sent last; -1: none
     id: int  # of the transition
     stack: str
     start_tick: int
@@ -175,7 +175,7 @@ class SequenceEvent:
 
 
 @dataclass(frozen=True, slots=True)
-class Planning:
+class PlanTopics:
     """What the HTMPC did for one robot."""
 
     plans: PlanStream
@@ -197,7 +197,7 @@ class Run:
     """Everything that analysis takes from a bag; of a bag with resets from one of its parts."""
 
     path: Path  # of the first .mcap file
-    facts: dict[str, str]  # the Metadata record `lexstack`: versions, mode, seed
+    provenance: dict[str, str]  # the Metadata record `lexstack`: versions, mode, seed
     resolved: ResolvedScenario
     plant: PlantStream
     chi: dict[str, ChiStream]  # by robot
@@ -209,8 +209,12 @@ class Run:
     requested: tuple[StackRequested, ...] = ()  # in the order in which they were sent
     # as ``chi``, in the order of arrival: what another message of the same tick followed
     replaced: dict[str, ChiStream] = field(default_factory=dict)
-    planning: dict[str, Planning] = field(default_factory=dict)  # by robot, of those with plans
-    settings: tuple[Setting, ...] = ()  # robot A's decisions on references; older bags have none
+    plan_topics: dict[str, PlanTopics] = field(
+        default_factory=dict
+    )  # by robot, of those with plans
+    settings: tuple[
+        Setting, ...
+    ] = ()  # the controller's decisions on references; older bags have none
     part: int = 1  # which one of ``parts`` this is, from 1
     parts: tuple[RunPart, ...] = ()  # of the whole bag; none: there was no reset
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lexstack.mpc import SequenceTask
-from lexstack_bag.run.run import Planning, ProgressStream, Run
+from lexstack_bag.run.run import PlanTopics, ProgressStream, Run
 
 STEADY_WINDOW = 0.5  # s, before a task is done, over which its error is averaged
 _BEGINNINGS = ("begin", "replace")
@@ -53,17 +53,17 @@ class SequenceMetrics:
 def sequences_of(run: Run) -> tuple[SequenceMetrics, ...]:
     """Return the sequences in the order in which they began."""
     found = [
-        _figures(robot, planning, rows)
-        for robot, planning in run.planning.items()
-        for rows in executions(planning)
+        _figures(robot, plan_topics, rows)
+        for robot, plan_topics in run.plan_topics.items()
+        for rows in executions(plan_topics)
     ]
     return tuple(sorted(found, key=lambda one: (one.begun_s, run.robots.index(one.robot))))
 
 
-def executions(planning: Planning) -> Iterator[NDArray[np.int64]]:
+def executions(plan_topics: PlanTopics) -> Iterator[NDArray[np.int64]]:
     """Yield for every sequence the rows of its progress."""
-    ticks = planning.progress.tick
-    begins = [event.tick for event in planning.events if event.event in _BEGINNINGS]
+    ticks = plan_topics.progress.tick
+    begins = [event.tick for event in plan_topics.events if event.event in _BEGINNINGS]
     # What a bag holds of a sequence that began before it is one too.
     edges = [-1, *begins, np.iinfo(np.int64).max]
     for first, last in pairwise(edges):
@@ -89,22 +89,22 @@ def ratio_of(sequences: Sequence[SequenceMetrics]) -> float | None:
     return st.completion_s / ht.completion_s
 
 
-def goals_in(planning: Planning) -> dict[str, SequenceTask]:
+def goals_in(plan_topics: PlanTopics) -> dict[str, SequenceTask]:
     """Return all tasks of a robot's sequences as they were last, by name."""
-    return {task.name: task for event in planning.events for task in event.tasks}
+    return {task.name: task for event in plan_topics.events for task in event.tasks}
 
 
-def _is_cancelled(planning: Planning, rows: NDArray[np.int64]) -> bool:
+def _is_cancelled(plan_topics: PlanTopics, rows: NDArray[np.int64]) -> bool:
     """Return whether a user cancelled the sequence that these rows of progress are about."""
-    first = int(planning.progress.tick[rows[0]])
-    begins = [e.tick for e in planning.events if e.event in _BEGINNINGS and e.tick > first]
+    first = int(plan_topics.progress.tick[rows[0]])
+    begins = [e.tick for e in plan_topics.events if e.event in _BEGINNINGS and e.tick > first]
     end = min(begins, default=np.iinfo(np.int64).max)
-    return any(e.event == "cancel" and first <= e.tick < end for e in planning.events)
+    return any(e.event == "cancel" and first <= e.tick < end for e in plan_topics.events)
 
 
-def _figures(robot: str, planning: Planning, rows: NDArray[np.int64]) -> SequenceMetrics:
+def _figures(robot: str, plan_topics: PlanTopics, rows: NDArray[np.int64]) -> SequenceMetrics:
     """Return the figures of one sequence."""
-    progress = planning.progress
+    progress = plan_topics.progress
     first, last = rows[0], rows[-1]
     under_way = rows[progress.index[rows] < progress.count[rows]]
     over = rows[progress.index[rows] >= progress.count[rows]]
@@ -127,7 +127,7 @@ def _figures(robot: str, planning: Planning, rows: NDArray[np.int64]) -> Sequenc
             if np.isfinite(column).any()
         },
         tuple(_tasks(progress, rows)),
-        not len(over) and _is_cancelled(planning, rows),
+        not len(over) and _is_cancelled(plan_topics, rows),
     )
 
 

@@ -27,12 +27,14 @@ class BagWriter:
     read. ``close`` adds index, summary and ``metadata.yaml``; it may be called twice.
     """
 
-    def __init__(self, folder: Path, facts: Mapping[str, str], storage: Storage = _PLAIN) -> None:
+    def __init__(
+        self, folder: Path, provenance: Mapping[str, str], storage: Storage = _PLAIN
+    ) -> None:
         """Create the bag.
 
         Args:
             folder: must not exist, or be empty.
-            facts: stored in the Metadata record ``lexstack``: ``scenario`` (resolved, YAML),
+            provenance: stored in the Metadata record ``lexstack``: ``scenario`` (resolved, YAML),
                 ``seed``, ``mode`` and versions.
             storage: compression, and when a new file begins.
 
@@ -41,7 +43,7 @@ class BagWriter:
         """
         self.folder = folder
         self.extent = Extent()
-        self._facts = dict(facts)
+        self._provenance = dict(provenance)
         self._storage = storage
         self._topics: dict[str, Topic] = {}
         self._channels: dict[str, int] = {}  # of the present file
@@ -144,7 +146,7 @@ class BagWriter:
         self._schemas = {}
         with writing(self._path):
             self._file = McapFile(self._path, PRESETS[self._storage.preset])
-            self._file.add_metadata(SCENARIO_RECORD, self._facts)
+            self._file.add_metadata(SCENARIO_RECORD, self._provenance)
             for topic in self._topics.values():
                 self._define(topic)
 
@@ -160,7 +162,7 @@ class BagWriter:
             list(self._topics.values()),
             self.extent,
             custom,
-            self._facts.get("ros_distro", "jazzy"),
+            self._provenance.get("ros_distro", "jazzy"),
         )
         self._file.add_metadata("rosbag2", {"serialized_metadata": to_yaml(information)})
         self._file.close()

@@ -71,8 +71,8 @@ def _parser(root: Path) -> argparse.ArgumentParser:
     """Return the command line."""
     parser = argparse.ArgumentParser(
         prog="./scripts/demo",
-        description="Run a scenario through all processes: simulation, robot A, robot B, recorder; "
-        "then analyse its bag.",
+        description="Run a scenario through all processes: simulation, controller, solver, "
+        "recorder; then analyse its bag.",
     )
     add_run_arguments(parser, root)
     parser.add_argument(

@@ -18,7 +18,7 @@ from lexstack_bag.progress import ProgressBar
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.replay.order import in_lockstep
 from lexstack_bag.replay.requests import requests_of
-from lexstack_bag.run.reader import read_facts, read_run
+from lexstack_bag.run.reader import read_provenance, read_run
 from lexstack_bag.storage.container import Container, by_log_time, find_files
 from lexstack_bag.storage.decoder import Decoder
 from lexstack_bag.storage.folders import writing
@@ -135,7 +135,7 @@ def _publish(options: argparse.Namespace) -> int:
 
 def _write_scenario(container: Container, path: Path) -> int:
     """Write the scenario that a bag carries."""
-    _, resolved = read_facts(container)
+    _, resolved = read_provenance(container)
     with writing(path):
         path.write_text(resolved.to_yaml(), encoding="utf-8")
     print(f"wrote {path}")

@@ -129,7 +129,7 @@ def carry_out(
     longest: float,
     *,
     around: Around | None = None,
-    event: Callable[[Sequence, RobotPose], Sequence] = lambda sequence, _present: sequence,
+    event: Callable[[Sequence, RobotPose], Sequence] = lambda sequence, _pose: sequence,
 ) -> tuple[Record, tuple[tuple[float, str], ...]]:
     """Do a sequence of tasks from rest at q; returns the record, and when each task was done.
 
@@ -145,9 +145,9 @@ def carry_out(
 
     def wanted(now: float, q: Vector) -> tuple[Objective, ...] | None:
         nonlocal sequence
-        present = RobotPose.of(optimiser.robot, now, q)
-        before = event(sequence, present)
-        sequence = before.advanced(present)
+        pose = RobotPose.of(optimiser.robot, now, q)
+        before = event(sequence, pose)
+        sequence = before.advanced(pose)
         if sequence.first != before.first:
             done.append((now, before.window[0].name))
         return None if sequence.done else sequence.objectives(now + optimiser.horizon.times[1:])
@@ -170,8 +170,8 @@ def _driven(
         objectives = wanted(now, q)
         if objectives is None:
             break
-        surroundings = None if around is None else around(now + optimiser.horizon.times[1:])
-        plan = optimiser.solve(Start(now, q, v), objectives, plan, surroundings)
+        scene = None if around is None else around(now + optimiser.horizon.times[1:])
+        plan = optimiser.solve(Start(now, q, v), objectives, plan, scene)
         q, v = plan.q[1], plan.v[1]
         solves.append((now + step, q, v, plan))
     return Record.of(begin, solves)

@@ -1,6 +1,6 @@
 """How long the analysis of a long bag takes, and how much memory at most.
 
-The bags are made, not recorded: two robots at 100 Hz, every topic of a demo, robot B never idle.
+The bags are made, not recorded: two robots at 100 Hz, every topic of a demo, the solver never idle.
 Each is analysed by ``./scripts/analyze`` in a process of its own, report included; its peak is the
 largest resident size that the system saw.
 """

@@ -1,11 +1,11 @@
 """The HQP solver beside its peers, on the problems of the closed loop, in one run.
 
-The problems are those that robot A solves in the paper's sequence in the ideal plant: 2 levels
-while it tracks, 3 with base targets or posture, level 1 and follow-chi in a transition. They are
-recorded in this run, twice: with the robots' limits, and with limits of a tenth, at which joints
-are at their bounds most of the time. Those of the scenario `obstacle` have inequality rows on top:
-distances of spheres. Every solver gets the same problems in the same order, with its
-last solution to start from if it can use it; the time is that of the call, stacking included.
+The problems are those that the controller solves in the paper's sequence in the ideal plant: 2
+levels while it tracks, 3 with base targets or posture, level 1 and follow-chi in a transition. They
+are recorded in this run, twice: with the robots' limits, and with limits of a tenth, at which
+joints are at their bounds most of the time. Those of the scenario `obstacle` have inequality rows
+on top: distances of spheres. Every solver gets the same problems in the same order, with its last
+solution to start from if it can use it; the time is that of the call, stacking included.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What N robots cost: the whole tick of robot A, and the HQP alone, for 2 to 32 of them.
+"""What N robots cost: the whole tick of the controller, and the HQP alone, for 2 to 32 of them.
 
 N mobile manipulators beside each other change their stack from `track` to `reach_base`, all at
 once. Nothing couples them, so the cost is to grow with N and not with its cube. The clustered
@@ -119,7 +119,7 @@ def _best(case: _Case) -> Vector:
 
 
 def _tick(case: _Case) -> Vector:
-    """Return the time of every tick of robot A [us]."""
+    """Return the time of every tick of the controller [us]."""
     controller = build_controller(case.resolved, Parts.of(case.resolved))
     return _US * case.tape.play(controller)[0]
 

@@ -1,7 +1,8 @@
 """The whole system over DDS: rate in lockstep, late ticks in realtime, latency, CPU, memory.
 
-Five processes: bridge, robot A, robot B, HTMPC, recorder; a user beside them asks for what they
-do. Each case is a run of its own, in phases: A alone, A following B, A following the HTMPC.
+Five processes: bridge, the controller, the solver, HTMPC, recorder; a user beside them asks for
+what they do. Each case is a run of its own, in phases: the controller alone, the controller
+following the solver, the controller following the HTMPC.
 """
 
 from __future__ import annotations
@@ -37,7 +38,11 @@ _NS = 1_000_000_000
 _LITTLE = 0.01  # of a core
 _RATE, _LATE = 200.0, 1.0  # Hz, %
 _REALTIME = 100.0  # Hz
-_WHOM = {"alone": "A alone", "robot_b": "A follows B", "htmpc": "A follows the HTMPC"}
+_WHOM = {
+    "alone": "the controller alone",
+    "robot_b": "the controller follows the solver",
+    "htmpc": "the controller follows the HTMPC",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,8 +197,8 @@ def _row(case: str, phase: dict[str, Any]) -> dict[str, Cell]:
         "state to command p50 ms": latency[0],
         "p99 ms": latency[1],
         "CPU % of a core: bridge": _share(phase, "sim_bridge"),
-        "robot A": _share(phase, "hqp_controller"),
-        "robot B": _share(phase, "stack_solver"),
+        "controller": _share(phase, "hqp_controller"),
+        "solver": _share(phase, "stack_solver"),
         "HTMPC": _share(phase, "htmpc"),
         "recorder": _share(phase, "recorder"),
         "others on the machine %": phase["others"],

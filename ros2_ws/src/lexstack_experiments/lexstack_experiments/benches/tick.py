@@ -1,4 +1,4 @@
-"""A whole tick of robot A, stack by stack, with and without damping near singularities.
+"""A whole tick of the controller, stack by stack, with and without damping near singularities.
 
 One and two robots go through track, reach_base, posture and track again, and then to targets out
 of reach, in the ideal plant. Every pass serves the recorded states twice, with damping and without,
@@ -128,4 +128,6 @@ def _cells(times: Times) -> tuple[float, float, float, float]:
     return p50[0], p99[0], p50[1], p99[1]
 
 
-EXPERIMENT = Experiment("a whole tick of robot A, with and without damping", "passes", PASSES, run)
+EXPERIMENT = Experiment(
+    "a whole tick of the controller, with and without damping", "passes", PASSES, run
+)

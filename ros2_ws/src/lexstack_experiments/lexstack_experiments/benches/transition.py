@@ -1,10 +1,10 @@
-"""A whole tick of robot A without ROS: kinematics, errors, bounds, HQP, transition.
+"""A whole tick of the controller without ROS: kinematics, errors, bounds, HQP, transition.
 
-The states and B's messages are those of the paper's sequence in closed loop, recorded once in the
-ideal plant and then replayed; the replayed chi must be the recorded one. Times are of the wall's
-clock, on whatever cores the system gives, with garbage collection off. One pass warms up. Beside
-them stands, from the same run, the time of one singular value decomposition of a 20 x 20 matrix:
-it makes machines comparable.
+The states and the solver's messages are those of the paper's sequence in closed loop, recorded once
+in the ideal plant and then replayed; the replayed chi must be the recorded one. Times are of the
+wall's clock, on whatever cores the system gives, with garbage collection off. One pass warms up.
+Beside them stands, from the same run, the time of one singular value decomposition of a 20 x 20
+matrix: it makes machines comparable.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def run(options: Options) -> Results:
 
 
 Row = tuple[tuple[str, str], Mask]
-"""The stack and whether A blends or is idle, and which ticks those are."""
+"""The stack and whether the controller blends or is idle, and which ticks those are."""
 
 
 def _rows(tape: Tape) -> list[Row]:
@@ -155,4 +155,6 @@ def _n(tape: Tape) -> int:
     return int(tape.states[0].q.size)
 
 
-EXPERIMENT = Experiment("a whole tick of robot A, and where its time goes", "passes", PASSES, run)
+EXPERIMENT = Experiment(
+    "a whole tick of the controller, and where its time goes", "passes", PASSES, run
+)

@@ -1,9 +1,9 @@
-"""What the distribution saves, T Fig. 9: A and B each in its own process, and both in one.
+"""What the distribution saves, T Fig. 9: controller and solver in a process each, or both in one.
 
-The paper's sequence with ``at_end: stay``, as in T: from (A) on robot A follows B at every tick.
-The ideal plant; a pipe between the processes, so the delay of ROS messages is not in it. Before
-every tick A sleeps, as it does while a plant moves: a process that never rests is faster than any
-real one, its caches are warm.
+The paper's sequence with ``at_end: stay``, as in T: from (A) on the controller follows the solver
+at every tick. The ideal plant; a pipe between the processes, so the delay of ROS messages is not in
+it. Before every tick the controller sleeps, as it does while a plant moves: a process that never
+rests is faster than any real one, its caches are warm.
 """
 
 from __future__ import annotations
@@ -35,22 +35,23 @@ _US = 1e6
 
 _COLUMNS = ("", "us p50", "us p99", "CPU share %")
 _NOTES = (
-    "Ticks at which A follows B. CPU share: of one core at the scenario's rate, of the process.",
-    "Wall: from the state to the command, with pipe and waiting. 'B one tick behind': A takes B's",
+    "Ticks at which the controller follows the solver. CPU share: of one core at the scenario's",
+    "rate, of the process. Wall: from the state to the command, with pipe and waiting.",
+    "'the solver one tick behind': the controller takes its",
     "chi of the tick before, as in realtime, so that both work at the same time.",
 )
 
 
 @dataclass(frozen=True, slots=True)
 class Times:
-    """The times of a closed loop at the ticks at which A follows B [s].
+    """The times of a closed loop at the ticks at which the controller follows the solver [s].
 
     Attributes:
-        a: of A's tick.
-        b: of B's solve.
-        wall: from the state to the command, B's part and the waiting for it included.
-        cpu: of A's process.
-        cpu_b: of B's process, empty where it has none.
+        a: of the controller's tick.
+        b: of the solver's solve.
+        wall: from the state to the command, the solver's part and the waiting for it included.
+        cpu: of the controller's process.
+        cpu_b: of the solver's process, empty where it has none.
     """
 
     a: Vector
@@ -64,11 +65,13 @@ def run(options: Options) -> Results:
     """Run the sequence in one process and in two, and compare."""
     resolved = _sequence(options)
     one = _together(resolved)
-    options.say(f"A and B in one process: {one.a.size} ticks")
+    options.say(f"the controller and the solver in one process: {one.a.size} ticks")
     two = _apart(resolved)
-    options.say("A and B in two processes, A waits for B")
+    options.say(
+        "the controller and the solver in two processes, the controller waits for the solver"
+    )
     behind = _apart(changed(resolved, mode="realtime"), behind=True)
-    options.say("A and B in two processes at the same time")
+    options.say("the controller and the solver in two processes at the same time")
     draw(_alphas(resolved), one, two, options.out / "fig9.png")
     rate = resolved.scenario.rate
     return options.results(
@@ -81,7 +84,7 @@ def run(options: Options) -> Results:
 
 
 def _sequence(options: Options) -> ResolvedScenario:
-    """Return the first switches of the sequence, closer together, after which A stays with B."""
+    """Return the first switches of the sequence, closer together; the solver is then followed."""
     resolved = with_method(scenario_of(options.config), "bridge", at_end="stay")
     events = tuple(
         replace(event, at=1.0 + i * _SPACING)
@@ -91,14 +94,14 @@ def _sequence(options: Options) -> ResolvedScenario:
 
 
 def _together(resolved: ResolvedScenario) -> Times:
-    """Return the times of A and B in one process, one after the other."""
+    """Return the times of the controller and the solver in one process, one after the other."""
     loop = _loop(resolved)
     times = _timed(loop)
     return replace(times, b=np.array(list(loop.record.b_times.values())))
 
 
 def _apart(resolved: ResolvedScenario, *, behind: bool = False) -> Times:
-    """Return the times of A in this process and B in another."""
+    """Return the times of the controller in this process and the solver in another."""
     loop = _loop(resolved)
     with RemoteB(resolved, behind=behind) as remote:
         loop.ask_solver = remote.ask
@@ -114,7 +117,7 @@ def _loop(resolved: ResolvedScenario) -> Loop:
 
 
 def _timed(loop: Loop) -> Times:
-    """Run a loop to its end, garbage collection off, and return A's times."""
+    """Run a loop to its end, garbage collection off, and return the controller's times."""
     scenario = loop.resolved.scenario
     rows = []
     with no_collection():
@@ -123,7 +126,7 @@ def _timed(loop: Loop) -> Times:
             begun, used = perf_counter(), process_time()
             command = loop.step()
             wall, cpu = perf_counter() - begun, process_time() - used
-            if command.transition.source is Source.ROBOT_B:
+            if command.transition.source is Source.SOLVER:
                 rows.append((command.solve_time, wall, cpu))
     a, wall, cpu = np.array(rows).T
     return Times(a, np.empty(0), wall, cpu, np.empty(0))
@@ -147,7 +150,10 @@ def _figures(one: Times, two: Times, behind: Times) -> list[Figure]:
             )
     wall = _US * float(np.median(behind.wall))
     peer = Peer("one process", _US * float(np.median(one.wall)))
-    return [*figures, Figure("Wall time of a tick, B one tick behind, p50", wall, "us", peer=peer)]
+    return [
+        *figures,
+        Figure("Wall time of a tick, the solver one tick behind, p50", wall, "us", peer=peer),
+    ]
 
 
 def _rows(one: Times, two: Times, behind: Times, rate: float) -> list[tuple[Cell, ...]]:
@@ -163,7 +169,7 @@ def _rows(one: Times, two: Times, behind: Times, rate: float) -> list[tuple[Cell
         row("dt_C, both in one", one.a + one.b, one.cpu),
         row("wall, one process", one.wall, None),
         row("wall, two processes", two.wall, None),
-        row("wall, two, B one tick behind", behind.wall, None),
+        row("wall, two, the solver one tick behind", behind.wall, None),
     ]
 
 
@@ -187,5 +193,5 @@ def draw(alphas: list[tuple[float, float]], one: Times, two: Times, path: Path) 
 
 
 EXPERIMENT = Experiment(
-    "robots A and B in two processes or one, T Fig. 9", "switches", SWITCHES, run
+    "controller and solver in two processes or one, T Fig. 9", "switches", SWITCHES, run
 )

@@ -12,31 +12,31 @@ import numpy as np
 
 from lexstack.types import PlantStatus, Vector
 from lexstack_bag.figures.limits import JointLimits
-from lexstack_experiments.experiments.fault_records import Record, Solved, State, Told
+from lexstack_experiments.experiments.fault_records import Record, Solved, State, Statement
 
 _NS = 1e-9
 _AS_TOLD = (PlantStatus.FOLLOWING, PlantStatus.PAUSED)
 _AFTER = 2_000_000_000  # ns after the end of a case in which a reason may still come
 
-# Who must tell what, by the process that fails: in the transition (only while A depends on it),
-# and in diagnostics. A fault with a dead A is told by the plant.
+# Who must tell what, by the process that fails: in the transition (only while the controller
+# depends on it), and in diagnostics. A fault with a dead controller is told by the plant.
 _TRANSITION = {
-    ("stack_solver", "blending"): "robot B",
-    ("stack_solver", "following"): "robot B",
+    ("stack_solver", "blending"): "the solver",
+    ("stack_solver", "following"): "the solver",
     ("htmpc", "sequence"): "MPC",
     **{
-        # What robot A says first of its absence may be that robot B's chi did not come.
-        ("hqp_controller", phase): "robot A (began|was away)|robot B"
+        # What the controller says first of its absence may be that the solver's chi did not come.
+        ("hqp_controller", phase): "the controller (began|was away)|the solver"
         for phase in ("idle", "blending", "following", "sequence")
     },
 }
 _DIAGNOSTICS = {
-    "stack_solver": "stack_solver is silent|robot B",
+    "stack_solver": "stack_solver is silent|the solver",
     "htmpc": "htmpc is silent|MPC",
-    "hqp_controller": "no command comes|hqp_controller is silent|robot A",
+    "hqp_controller": "no command comes|hqp_controller is silent|the controller",
     "sim_bridge": "/plant/state is silent|sim_bridge is silent",
     "recorder": "recorder is silent",
-    "slow": "robot B",
+    "slow": "the solver",
     "disk": "the bag ends here",
     "message": "refused: ",
 }
@@ -54,7 +54,7 @@ class Outcome:
         case: its name.
         acceleration: largest change of the command in force over its limit.
         velocity: largest command in force over its limit.
-        beyond: how far a command of robot A was outside its box, and empty boxes as 1 each.
+        beyond: how far a command of the controller was outside its box, and empty boxes as 1 each.
         reordered: messages of a sender whose tick is not above the one before.
         ticks: of the plant that were recorded.
         detected: from the fault to the first sign of it.
@@ -64,7 +64,7 @@ class Outcome:
         missing: what had to be told and was not.
         recovered: from the restart, or from the end of the fault, until it served again.
         away: how long the plant held or braked.
-        rejoined: whether robot B served a switch afterwards.
+        rejoined: whether the solver served a switch afterwards.
         answers: to a flood of requests.
     """
 
@@ -100,10 +100,10 @@ def outcome(event: dict[str, Any], record: Record, limits: JointLimits, dt: floa
     harmless = what in SILENT or (fault == "slow" and not slow)
     needed = "" if harmless else _DIAGNOSTICS.get(key, "")
     if phase == "idle" and key in ("stack_solver", "htmpc"):
-        needed = f"{key} is silent"  # robot A has nothing else to tell
+        needed = f"{key} is silent"  # the controller has nothing else to tell
     window = begun, ended + _AFTER
-    reason = first_told(record.transitions, window, wanted)
-    complaint = first_told(record.diagnostics, window, needed)
+    reason = first_statement(record.transitions, window, wanted)
+    complaint = first_statement(record.diagnostics, window, needed)
     missing = [name for name, pattern, found in (
         ("transition", wanted, reason), ("diagnostics", needed, complaint)
     ) if pattern and found is None]  # fmt: skip
@@ -128,7 +128,7 @@ def outcome(event: dict[str, Any], record: Record, limits: JointLimits, dt: floa
     )
 
 
-_TOLERATED = 20.0  # times slower: robot B's chi is then still fresh
+_TOLERATED = 20.0  # times slower: the solver's chi is then still fresh
 
 
 def split(case: str) -> tuple[str, str, str]:
@@ -177,7 +177,9 @@ def _beginnings(states: Sequence[State]) -> list[int]:
     return [b.at for a, b in pairwise(states) if a.sender != b.sender]
 
 
-def first_told(told: Iterable[Told], window: tuple[int, int], pattern: str) -> Told | None:
+def first_statement(
+    told: Iterable[Statement], window: tuple[int, int], pattern: str
+) -> Statement | None:
     """Return the first text in a time window [ns] that matches and was not there before it."""
     if not pattern:
         return None
@@ -193,7 +195,7 @@ def first_told(told: Iterable[Told], window: tuple[int, int], pattern: str) -> T
 
 
 def _follows_b(record: Record, event: dict[str, Any]) -> bool:
-    """Return whether A followed robot B after the end of a fault, in a run by the scenario."""
+    """Return whether the solver was followed after the end of a fault, in a run by the scenario."""
     after = (told for told in record.transitions if event["healed"] < told.at < event["ended"])
     return event["case"].startswith("cut") and any(told.who == "robot_b" for told in after)
 

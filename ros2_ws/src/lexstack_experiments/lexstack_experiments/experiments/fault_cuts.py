@@ -83,7 +83,7 @@ def _wait_connected(processes: dict[str, subprocess.Popen[bytes]], out: Path) ->
 
 
 def _cut(lan: Lan, host: str, simulation: subprocess.Popen[bytes]) -> dict[str, int]:
-    """Cut a host off while robot A blends, and wait for the scenario's end."""
+    """Cut a host off while the controller blends, and wait for the scenario's end."""
     time.sleep(2.5)
     begun = time.time_ns()
     lan.cut(host)

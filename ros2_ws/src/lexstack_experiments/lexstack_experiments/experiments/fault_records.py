@@ -46,7 +46,7 @@ class Solved:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Statement:
     """One reason, in /robot_a/transition or /diagnostics."""
 
     at: int  # ns since 1970
@@ -60,10 +60,10 @@ class Record:
 
     states: list[State] = field(default_factory=list)
     commands: list[Solved] = field(default_factory=list)
-    solutions: list[Solved] = field(default_factory=list)  # robot B's
+    solutions: list[Solved] = field(default_factory=list)  # the solver's
     plans: list[int] = field(default_factory=list)  # ns since 1970
-    transitions: list[Told] = field(default_factory=list)
-    diagnostics: list[Told] = field(default_factory=list)
+    transitions: list[Statement] = field(default_factory=list)
+    diagnostics: list[Statement] = field(default_factory=list)
     messages: list[tuple[int, str]] = field(default_factory=list)  # time and bag of each
     unreadable: list[str] = field(default_factory=list)
 
@@ -120,13 +120,13 @@ def _chi(record: Record, at: int, message: Any) -> None:
 
 def _transition(record: Record, at: int, message: Any) -> None:
     if message.tick or message.robots:  # an empty one is a stranger's
-        record.transitions.append(Told(at, message.source, message.reason))
+        record.transitions.append(Statement(at, message.source, message.reason))
 
 
 def _diagnostics(record: Record, at: int, message: Any) -> None:
     for status in message.status:
         text = "" if status.message == "ok" else status.message
-        record.diagnostics.append(Told(at, status.name, text))
+        record.diagnostics.append(Statement(at, status.name, text))
 
 
 _TAKERS = {

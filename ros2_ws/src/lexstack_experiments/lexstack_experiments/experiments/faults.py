@@ -20,7 +20,7 @@ from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.fault_checks import Outcome, outcome
 from lexstack_experiments.experiments.fault_cuts import CUTS, cut_events, why_no_cut
-from lexstack_experiments.experiments.fault_records import Told, read_record
+from lexstack_experiments.experiments.fault_records import Statement, read_record
 from lexstack_experiments.measuring import largest
 from lexstack_experiments.results import AT_MOST_ONE, Cell, Figure, Goal, Results, Table, zero
 from lexstack_experiments.runs import scenario_of
@@ -113,8 +113,10 @@ def _judged(
     bags = dict.fromkeys(Path(bag) for e in events for bag in (e["bag"], e["later"]))
     record = read_record(list(bags))
     # What was said of a recorder that was away is in no bag.
-    record.diagnostics += [Told(*entry) for entry in heard if "recorder" in entry[1] + entry[2]]
-    record.transitions += [Told(*entry) for entry in reasons]
+    record.diagnostics += [
+        Statement(*entry) for entry in heard if "recorder" in entry[1] + entry[2]
+    ]
+    record.transitions += [Statement(*entry) for entry in reasons]
     options.say(f"{len(record.messages)} messages read from {len(bags)} bags")
     limits = build_team(resolved).limits
     dt = 1.0 / resolved.scenario.rate
@@ -134,7 +136,7 @@ def figures(outcomes: Sequence[Outcome], unreadable: Sequence[str]) -> list[Figu
         ),
         zero("Messages reordered", sum(e.reordered for e in outcomes)),
         zero("Cases without the reason", sum(bool(e.missing) for e in outcomes)),
-        zero("Cases after which B did not serve", sum(not e.rejoined for e in outcomes)),
+        zero("Cases after which the solver did not serve", sum(not e.rejoined for e in outcomes)),
         zero("Cases that were not seen to end", sum(e.recovered is None for e in outcomes)),
         zero("Bags that cannot be read", len(unreadable)),
         Figure("Requests of the flood that were answered", answered, "", Goal("==", FLOOD)),

@@ -78,7 +78,7 @@ def travel(
     tasks: tuple[SequenceTask, ...],
     architecture: Architecture,
     longest: float,
-    event: Event = lambda sequence, _present: sequence,
+    event: Event = lambda sequence, _pose: sequence,
 ) -> Trip:
     """Carry out a sequence from rest at home, (n,), for at most ``longest`` seconds."""
     robot = optimiser.robot

@@ -24,7 +24,7 @@ Stream = Callable[[float], list[Target]]
 
 _STRETCHED = (0.0, 0.0, 0.0, -0.07, 0.0, 1.5708, 0.7854)  # rad, the elbow at its limit
 _PAPER = ("posture_mid_range", "reach_base", "track")  # T's stacks: all have level 1 in common
-_HEARD = 0.15  # s, how old B's chi may be where it is late
+_HEARD = 0.15  # s, how old solver's chi may be where it is late
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class Row:
 
 
 def _direct() -> Link:
-    """Return a link on which nothing happens to B's messages."""
+    """Return a link on which nothing happens to the solver's messages."""
     return lambda sample: sample
 
 
@@ -62,7 +62,7 @@ class Case:
         about: what happens, in words.
         resolved: the scenario with its switches.
         rows: what is looked at.
-        link: makes what becomes of B's messages.
+        link: makes what becomes of the solver's messages.
         stream: references sent at every tick.
     """
 
@@ -83,8 +83,8 @@ def cases(config: Path, seed: int) -> list[Case]:
     mid = round((1.0 + 0.5 * resolved.scenario.transition.duration) * resolved.scenario.rate)
 
     def delayed(ticks: int) -> Case:
-        row = Row(f"B {round(1e3 * ticks / resolved.scenario.rate)} ms late", 1.0, 10.0)
-        return Case("switch (A), B's chi comes late", late, (row,), lambda: Delayed(ticks))
+        row = Row(f"solver {round(1e3 * ticks / resolved.scenario.rate)} ms late", 1.0, 10.0)
+        return Case("switch (A), the solver's chi comes late", late, (row,), lambda: Delayed(ticks))
 
     return [
         _sequence(resolved),
@@ -92,11 +92,16 @@ def cases(config: Path, seed: int) -> list[Case]:
         _preempted(resolved, seed),
         delayed(2),
         delayed(10),
-        Case("B falls silent in mid-blend", one, (Row("B lost", 1.0, 10.0),), lambda: Lost(mid)),
         Case(
-            "from mid-blend on B repeats its last chi as if it were new",
+            "the solver falls silent in mid-blend",
             one,
-            (Row("B frozen", 1.0, 10.0),),
+            (Row("solver lost", 1.0, 10.0),),
+            lambda: Lost(mid),
+        ),
+        Case(
+            "from mid-blend on the solver repeats its last chi as if it were new",
+            one,
+            (Row("solver frozen", 1.0, 10.0),),
             lambda: Frozen(mid),
         ),
         _stretched(resolved, "reach_base"),

@@ -42,7 +42,7 @@ class MethodFigures:
         stepped: the same over the blend of a switch at which level 1's references jump, or None.
         empty: ticks with an empty box.
         settled: from the last switch until all errors stay in their band [s], or None.
-        qps: levels that A solved per tick of a blend, mean; None without a blend.
+        qps: levels that the controller solved per tick of a blend, mean; None without a blend.
         median: wall time of a tick of a blend [us]; None without a blend.
         p99: the same, 99th percentile.
     """
@@ -87,17 +87,17 @@ class Play:
 
     def figures(self, row: Row, still: Play) -> MethodFigures:
         """Return a row's figures; ``still`` is the same case without any switch."""
-        measures, team = self.measured.measures, self.loop.parts.team
+        time_series, team = self.measured.time_series, self.loop.parts.team
         ticks = self._between(row.start, row.end)
         blend = ticks & self._blending()
         moved = ticks & _longer(blend, _AFTER * self.loop.resolved.scenario.rate)
-        ratios = measures.acceleration_ratio[moved if moved.any() else ticks]
-        jerks = measures.jerk_ratio[moved if moved.any() else ticks]
+        ratios = time_series.acceleration_ratio[moved if moved.any() else ticks]
+        jerks = time_series.jerk_ratio[moved if moved.any() else ticks]
         rates = ratios * team.limits.acceleration
         times = 1e6 * self.measured.run.chi["robot_a"].solve_time[blend]
         any_blend = bool(blend.any())
         excess, stepped = self._excess(row)
-        away = 1e3 * np.linalg.norm(measures.ee - still.measured.measures.ee, axis=2)[ticks]
+        away = 1e3 * np.linalg.norm(time_series.ee - still.measured.time_series.ee, axis=2)[ticks]
         return MethodFigures(
             base=float(rates[:, _joints(team, slice(0, 2))].max()),
             arm=float(rates[:, _joints(team, slice(3, None))].max()),
@@ -142,11 +142,11 @@ class Play:
 
     def _between(self, start: float, end: float) -> Mask:
         """Return which ticks lie in [start, end) [s]."""
-        time, slack = self.measured.measures.time, 1e-6
+        time, slack = self.measured.time_series.time, 1e-6
         return np.asarray((time >= start - slack) & (time < end - slack))
 
     def _blending(self) -> Mask:
-        """Return at which ticks A follows a source."""
+        """Return at which ticks the controller follows a source."""
         commands = self.loop.record.commands
         return np.array([c.transition.source is not Source.NONE for c in commands])
 

@@ -19,7 +19,7 @@ from lexstack_experiments.experiments.obstacle_cases import BASE, DISTANCE, NOTH
 from lexstack_experiments.experiments.obstacle_pictures import draw_clearance, render_passing
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.results import AT_MOST_ONE, Cell, Figure, Goal, Peer, Results, Table, zero
-from lexstack_experiments.runs import analysed, run_telling, scenario_of
+from lexstack_experiments.runs import analysed, run_reporting, scenario_of
 from lexstack_sim.obstacles import Clearance
 from lexstack_sim.plant import Plant
 
@@ -33,7 +33,7 @@ class Outcome:
 
     Attributes:
         case: which.
-        way: which.
+        variant: which.
         loop: the run.
         measured: its figures.
         time: s, shape (T,).
@@ -42,7 +42,7 @@ class Outcome:
     """
 
     case: Case
-    way: str
+    variant: str
     loop: Loop
     measured: Analysis
     time: Vector
@@ -52,19 +52,19 @@ class Outcome:
     @property
     def ee_error(self) -> Matrix:
         """Distance of the tools from their references, shape (T, N), mm."""
-        return self.measured.measures.ee_error
+        return self.measured.time_series.ee_error
 
 
 def run(options: Options) -> Results:
     """Run every case in every way, measure, draw."""
     whole = scenario_of(options.config, NAME)
     outcomes = [
-        _outcome(case, way, whole, options)
+        _outcome(case, variant, whole, options)
         for case in cases()[: options.cases]
-        for way in case.ways
+        for variant in case.variants
     ]
-    draw_clearance([(o.case.name, o.way, o.time, o.clearance) for o in outcomes], options.out)
-    shown = next(o for o in outcomes if o.way == DISTANCE)
+    draw_clearance([(o.case.name, o.variant, o.time, o.clearance) for o in outcomes], options.out)
+    shown = next(o for o in outcomes if o.variant == DISTANCE)
     said = render_passing(shown.loop, options.out / "obstacle-passing.jpg")
     options.say(said or "drew 2 pictures")
     return options.results(
@@ -75,7 +75,7 @@ def run(options: Options) -> Results:
             "plant": "MuJoCo, joint impedance loop at 1 kHz",
             "rate_hz": whole.scenario.rate,
             "margin_mm": 50.0,
-            "stacks": {way: o.stack for o in cases() for way, o in o.ways.items()},
+            "stacks": {variant: o.stack for o in cases() for variant, o in o.variants.items()},
         },
         (
             "clearance: between the robots' contact geometry and the obstacles; negative: depth.",
@@ -84,10 +84,10 @@ def run(options: Options) -> Results:
     )
 
 
-def _outcome(case: Case, way: str, whole: ResolvedScenario, options: Options) -> Outcome:
+def _outcome(case: Case, variant: str, whole: ResolvedScenario, options: Options) -> Outcome:
     """Run one way through one case."""
-    resolved = case.scenario(whole, way, options.seed)
-    loop = run_telling(Loop(resolved), f"{case.name}, {way}", options.say)
+    resolved = case.scenario(whole, variant, options.seed)
+    loop = run_reporting(Loop(resolved), f"{case.name}, {variant}", options.say)
     assert isinstance(loop.plant, Plant)
     team = loop.parts.team
     measure = Clearance(loop.plant.world, team.names, team.obstacles)
@@ -97,7 +97,7 @@ def _outcome(case: Case, way: str, whole: ResolvedScenario, options: Options) ->
     ]
     return Outcome(
         case,
-        way,
+        variant,
         loop,
         analysed(loop),
         np.array([state.stamp for state in loop.record.states]),
@@ -109,10 +109,10 @@ def _outcome(case: Case, way: str, whole: ResolvedScenario, options: Options) ->
 def _goals(outcomes: list[Outcome]) -> list[Figure]:
     """Return what is to be reached: nobody is touched, the command keeps its limits."""
     figures = []
-    for way in (DISTANCE, BASE):
-        mine = [o for o in outcomes if o.way == way]
+    for variant in (DISTANCE, BASE):
+        mine = [o for o in outcomes if o.variant == variant]
         names = {o.case.name for o in mine}
-        beside = [o for o in outcomes if o.way == NOTHING and o.case.name in names]
+        beside = [o for o in outcomes if o.variant == NOTHING and o.case.name in names]
         least, other = (
             min((1e3 * float(o.clearance.min()) for o in group), default=None)
             for group in (mine, beside)
@@ -120,10 +120,15 @@ def _goals(outcomes: list[Outcome]) -> list[Figure]:
         touching, touched = (float(sum(o.touching for o in group)) for group in (mine, beside))
         figures += [
             Figure(
-                f"Least clearance, {way}", least, "mm", Goal(">=", 0.0), "", Peer(NOTHING, other)
+                f"Least clearance, {variant}",
+                least,
+                "mm",
+                Goal(">=", 0.0),
+                "",
+                Peer(NOTHING, other),
             ),
             Figure(
-                f"Ticks in which something touches, {way}",
+                f"Ticks in which something touches, {variant}",
                 touching if mine else None,
                 "",
                 Goal("==", 0),
@@ -131,7 +136,7 @@ def _goals(outcomes: list[Outcome]) -> list[Figure]:
                 Peer(NOTHING, touched),
             ),
         ]
-    avoiding = [o for o in outcomes if o.way != NOTHING]
+    avoiding = [o for o in outcomes if o.variant != NOTHING]
     peak = max(o.measured.metrics.peak_acceleration_ratio or 0.0 for o in avoiding)
     empty = sum(o.measured.metrics.empty_bounds for o in avoiding)
     figures += [
@@ -144,15 +149,15 @@ def _goals(outcomes: list[Outcome]) -> list[Figure]:
 
 def _harmless(outcomes: list[Outcome]) -> int:
     """Return the cases in which nothing touches though nothing is done: they would show nothing."""
-    return sum(o.touching == 0 for o in outcomes if o.way == NOTHING)
+    return sum(o.touching == 0 for o in outcomes if o.variant == NOTHING)
 
 
 def _stated(outcomes: list[Outcome]) -> Iterable[Figure]:
     """Yield the errors of the tools where they are asked to stay, and where they end."""
     for outcome in outcomes:
-        if outcome.way == NOTHING:
+        if outcome.variant == NOTHING:
             continue
-        where = f"{outcome.case.name}, {outcome.way}"
+        where = f"{outcome.case.name}, {outcome.variant}"
         if outcome.case.holds:
             yield Figure(f"Peak EE error: {where}", float(outcome.ee_error.max()), "mm")
         if not outcome.case.meet:
@@ -164,13 +169,15 @@ def _row(outcome: Outcome) -> dict[str, Cell]:
     broken = [command.slacks[0] for command in outcome.loop.record.commands]
     return {
         "case": outcome.case.name,
-        "way": outcome.way,
+        "way": outcome.variant,
         "clearance mm": 1e3 * float(outcome.clearance.min()),
         "touching, ticks": outcome.touching,
         "EE peak mm": float(outcome.ee_error.max()) if outcome.case.holds else None,
         "EE final mm": _final(outcome),
         "acc. ratio": outcome.measured.metrics.peak_acceleration_ratio,
-        "slack of distances mm/s": 1e3 * float(max(broken)) if outcome.way == DISTANCE else None,
+        "slack of distances mm/s": 1e3 * float(max(broken))
+        if outcome.variant == DISTANCE
+        else None,
     }
 
 

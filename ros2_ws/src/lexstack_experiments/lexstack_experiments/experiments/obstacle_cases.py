@@ -19,7 +19,7 @@ _BACK = {"robot_a": (-0.2, 0.0, 0.0), "robot_b": (2.0, 0.0, 0.0)}
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class Variant:
     """One way through a case: the stack at first, and what happens then."""
 
     stack: str
@@ -34,7 +34,7 @@ class Case:
         name: as in the tables.
         obstacles: of the scenario ``obstacle``, by name.
         duration: s.
-        ways: by name; the first one does nothing about it.
+        variants: by name; the first one does nothing about it.
         holds: whether the tools are asked to stay where they are, all the time.
         meet: whether the robots are in each other's way.
     """
@@ -42,13 +42,13 @@ class Case:
     name: str
     obstacles: tuple[str, ...]
     duration: float
-    ways: dict[str, Way] = field(default_factory=dict)
+    variants: dict[str, Variant] = field(default_factory=dict)
     holds: bool = True
     meet: bool = False
 
-    def scenario(self, whole: ResolvedScenario, way: str, seed: int) -> ResolvedScenario:
+    def scenario(self, whole: ResolvedScenario, variant: str, seed: int) -> ResolvedScenario:
         """Return the scenario ``obstacle`` with what this case has of it."""
-        chosen = self.ways[way]
+        chosen = self.variants[variant]
         obstacles = {name: whole.scenario.obstacles[name] for name in self.obstacles}
         return changed(
             whole,
@@ -76,28 +76,34 @@ def cases() -> tuple[Case, ...]:
             "rolling past",
             ("rolling",),
             16.0,
-            {NOTHING: Way("track"), BASE: Way("track", (aside,)), DISTANCE: Way("avoid")},
+            {NOTHING: Variant("track"), BASE: Variant("track", (aside,)),
+             DISTANCE: Variant("avoid")},
         ),
         Case(
             "switch while it passes",
             ("rolling",),
             16.0,
-            {NOTHING: Way("track", (_switch("reach_base"),)),
-             DISTANCE: Way("avoid", (_switch("avoid_base"),))},
+            {NOTHING: Variant("track", (_switch("reach_base"),)),
+             DISTANCE: Variant("avoid", (_switch("avoid_base"),))},
         ),
-        Case("flying past", ("flying",), 21.0, {NOTHING: Way("track"), DISTANCE: Way("avoid")}),
+        Case(
+            "flying past",
+            ("flying",),
+            21.0,
+            {NOTHING: Variant("track"), DISTANCE: Variant("avoid")},
+        ),
         Case(
             "hanging in the way",
             ("hanging",),
             8.0,
-            {NOTHING: Way("track", (past,)), DISTANCE: Way("avoid", (past,))},
+            {NOTHING: Variant("track", (past,)), DISTANCE: Variant("avoid", (past,))},
             holds=False,
         ),
         Case(
             "robots sent across",
             (),
             8.0,
-            {NOTHING: Way("track", (across,)), DISTANCE: Way("keep_apart", (across,))},
+            {NOTHING: Variant("track", (across,)), DISTANCE: Variant("keep_apart", (across,))},
             holds=False,
             meet=True,
         ),

@@ -27,13 +27,15 @@ def draw_clearance(runs: Sequence[tuple[str, str, Vector, Vector]], out: Path) -
         out: the folder.
     """
     names = list(dict.fromkeys(case for case, *_ in runs))
-    ways = list(dict.fromkeys(way for _, way, *_ in runs))
+    variants = list(dict.fromkeys(variant for _, variant, *_ in runs))
     size = (7.0, 1.5 * len(names) + 0.3)
     with picture(out / "obstacle-clearance.png", len(names), 1, size) as axes:
         for panel, name in zip(axes, names, strict=True):
-            for case, way, time, clearance in runs:
+            for case, variant, time, clearance in runs:
                 if case == name:
-                    panel.plot(time, 1e3 * clearance, color=COLOURS[ways.index(way)], label=way)
+                    panel.plot(
+                        time, 1e3 * clearance, color=COLOURS[variants.index(variant)], label=variant
+                    )
             panel.axhline(0.0, color="black", linewidth=0.8)
             panel.axhline(1e3 * _MARGIN, color="#555555", linewidth=0.8, linestyle=":")
             panel.set_ylim(-50.0, 450.0)

@@ -181,7 +181,7 @@ def _braking(solver: Htmpc, state: State) -> Plan:
     """Return a plan that brakes, made to look as if it were the one before."""
     u = solver.horizon.braking(state.start.v, solver.robot.limits.acceleration)
     shifted = np.vstack((state.before.input_before(state.start.stamp), u[:-1]))
-    return replace(state.before, u=shifted, holding=())
+    return replace(state.before, u=shifted, active_sets=())
 
 
 def run(options: Options) -> Results:

@@ -65,7 +65,7 @@ class Motion:
         team: the robots.
         chi: the commands, shape (T, n).
         q: where the robots were, shape (T + 1, n).
-        commands: all that A sent.
+        commands: all that the controller sent.
     """
 
     case: Case

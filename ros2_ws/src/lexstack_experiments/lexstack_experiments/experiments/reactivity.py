@@ -80,11 +80,11 @@ class Case:
         """What happens to the sequence, once each."""
         told: set[str] = set()
 
-        def event(sequence: TaskSequence, present: RobotPose) -> TaskSequence:
-            if self.change is not None and present.stamp >= self.change and "change" not in told:
+        def event(sequence: TaskSequence, pose: RobotPose) -> TaskSequence:
+            if self.change is not None and pose.stamp >= self.change and "change" not in told:
                 told.add("change")
-                sequence = self._changed(sequence, present)
-            if present.stamp >= self.released and "release" not in told:
+                sequence = self._changed(sequence, pose)
+            if pose.stamp >= self.released and "release" not in told:
                 told.add("release")
                 sequence = sequence.release("give")
             return sequence
@@ -101,13 +101,13 @@ class Case:
         """Where the tool is to be at the end, shape (3,), m."""
         return np.array(_NEXT) + (self.moved if self.kind == "next moves" else 0.0)
 
-    def _changed(self, sequence: TaskSequence, present: RobotPose) -> TaskSequence:
+    def _changed(self, sequence: TaskSequence, pose: RobotPose) -> TaskSequence:
         """Return the sequence after what moves has moved."""
         if self.kind == "jump":
-            return sequence.retarget("give", (tuple(self.place),), present)
+            return sequence.retarget("give", (tuple(self.place),), pose)
         station = tuple(np.array(_STATION) + self.moved[:2])
-        moved = sequence.retarget("go", (station,), present)
-        return moved.retarget("give next", (tuple(self.next_place),), present)
+        moved = sequence.retarget("go", (station,), pose)
+        return moved.retarget("give next", (tuple(self.next_place),), pose)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,7 +16,7 @@ from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.measuring import largest
 from lexstack_experiments.results import AT_MOST_ONE, Figure, Results, Table, zero
-from lexstack_experiments.runs import analysed, changed, run_telling, scenario_of
+from lexstack_experiments.runs import analysed, changed, run_reporting, scenario_of
 from lexstack_sim.plant import Plant
 
 NAME = "realism"
@@ -32,7 +32,7 @@ def run(options: Options) -> Results:
     whole = scenario_of(options.config, NAME)
     order = [_PLANTS[-1], *_PLANTS[:-1]]  # the one that counts first, if not all are to run
     loops = {
-        flaw: run_telling(Loop(_with(whole, flaw, options)), flaw, options.say)
+        flaw: run_reporting(Loop(_with(whole, flaw, options)), flaw, options.say)
         for flaw in order[: options.cases]
     }
     measured = {flaw: analysed(loop) for flaw, loop in loops.items()}

@@ -1,6 +1,6 @@
 """Random trains of targets, losses and switches in mid-blend: what they cost, and when they end.
 
-Each train is run twice: as it is, and with a robot B that is always there and in time. The second
+Each train is run twice: as it is, and with a solver that is always there and in time. The second
 run is what the first one is measured against.
 """
 
@@ -16,9 +16,9 @@ from lexstack_experiments.experiments.relatching_trains import (
     RATE,
     Train,
     last_blending,
+    path_lengths,
     random_train,
     run,
-    ways,
     with_single_stacks,
 )
 from lexstack_experiments.loop import Loop
@@ -28,10 +28,10 @@ from lexstack_experiments.runs import scenario_of
 NAME = "relatching"
 _TICKS = 400  # with events; then nothing more comes
 _LITTLE = 0.05  # m, of each base's way: below it a ratio says nothing
-_MOST = 1.5  # times the way with a robot B that is always there
+_MOST = 1.5  # times the way with a solver that is always there
 _ROUNDING = 1e-9
 _COLUMNS = ("seed", "mode", "blend s", "targets", "switches", "ticks without B", "way m",
-            "way with B m", "ratio", "over after s", "promised s", "acceleration")  # fmt: skip
+            "way with solver m", "ratio", "over after s", "promised s", "acceleration")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class Outcome:
     Attributes:
         seed: of the train.
         train: the events.
-        way: of the base with the largest ratio [m].
-        perfect: of the same base with a B that is always there and in time [m].
+        path_length: of the base with the largest ratio [m].
+        perfect: of the same base with a solver that is always there and in time [m].
         ratio: of the two; of the first, ``_LITTLE`` is left out.
         over: from the last event to the end of the last transition [s].
         promised: by when it must be over [s].
@@ -52,7 +52,7 @@ class Outcome:
 
     seed: int
     train: Train
-    way: float
+    path_length: float
     perfect: float
     ratio: float
     over: float
@@ -65,7 +65,14 @@ class Outcome:
         """Its row of the table."""
         train = self.train
         events = len(train.targets), len(train.switches), len(train.silent)
-        told = self.way, self.perfect, self.ratio, self.over, self.promised, self.acceleration
+        told = (
+            self.path_length,
+            self.perfect,
+            self.ratio,
+            self.over,
+            self.promised,
+            self.acceleration,
+        )
         return self.seed, train.mode, train.duration, *events, *told
 
 
@@ -87,7 +94,7 @@ def run_experiment(options: Options) -> Results:
         options.seed,
         options.cases,
         (
-            Figure("Way of a base, over that with robot B in time, longest", max(ratios), "x",
+            Figure("Way of a base, over that with the solver in time, longest", max(ratios), "x",
                    Goal("<=", _MOST)),
             Figure("The same, median", float(np.median(ratios)), "x"),
             Figure("Transitions that are not over in the promised time", len(late), "",
@@ -106,7 +113,7 @@ def run_experiment(options: Options) -> Results:
 
 def _outcome(seed: int, train: Train, result: Loop, perfect: Loop) -> Outcome:
     """Return what one train came to."""
-    went, least = ways(result), ways(perfect)
+    went, least = path_lengths(result), path_lengths(perfect)
     ratios = np.maximum(went - _LITTLE, 0.0) / np.maximum(least, _ROUNDING)
     worst = int(ratios.argmax())
     limits = result.parts.team.limits

@@ -26,18 +26,19 @@ RATE = 100.0  # Hz
 
 @dataclass(frozen=True)
 class Train:
-    """What comes in a run; ticks are robot A's.
+    """What comes in a run; ticks are the controller's.
 
     Attributes:
         mode: lockstep or realtime.
         duration: of every blend [s].
         switches: (tick, stack, robots).
         targets: (tick, robot, offset of the tool from its home [m]).
-        lags: after how many ticks robot B has each target, at A's tick where it is 0.
+        lags: after how many ticks the solver has each target, at the controller's tick where it is
+            0.
         lead: in which targets are led in [s]; 0: as steps.
         named: whether revisions are known.
-        silent: the ticks at which B does not answer.
-        delays: by how many ticks each answer of B is late, by tick.
+        silent: the ticks at which the solver does not answer.
+        delays: by how many ticks each answer of the solver is late, by tick.
         until: the first tick with nothing more to come.
     """
 
@@ -56,8 +57,8 @@ class Train:
     def settled(self) -> int:
         """The tick at which every transition must be over, whatever came before.
 
-        Its duration, once more at most that for taking over from a late B, and what B's last
-        answers and the lead-in take.
+        Its duration, once more at most that for taking over from a late solver, and what the
+        solver's last answers and the lead-in take.
         """
         return self.until + round((2.0 * self.duration + self.lead) * RATE) + 15
 
@@ -65,8 +66,8 @@ class Train:
 def random_train(seed: int, ticks: int, *, named: bool = True) -> Train:
     """Return a train of events until a tick, at up to 60 Hz each.
 
-    ``named``: B has the targets at A's ticks and names the revision, as the processes do. Else it
-    has them some ticks later, and nobody knows.
+    ``named``: the solver has the targets at the controller's ticks and names the revision, as the
+    processes do. Else it has them some ticks later, and nobody knows.
     """
     rng = np.random.default_rng(seed)
     mode = ["lockstep", "realtime"][seed % 2]
@@ -81,7 +82,9 @@ def random_train(seed: int, ticks: int, *, named: bool = True) -> Train:
         offset[robot] = np.clip(offset[robot] + rng.normal(size=3) * reach, -0.1, 0.1)
         targets.append((int(tick), robot, offset[robot].copy()))
     silent = set[int]()
-    longest = max(1, min(12, round(50.0 / max(rates[1], 1.0))))  # ticks: B is there half the time
+    longest = max(
+        1, min(12, round(50.0 / max(rates[1], 1.0)))
+    )  # ticks: the solver is there half the time
     for tick in at[1]:
         silent |= set(range(tick, min(tick + int(rng.integers(1, longest + 1)), ticks)))
     switches = [(1, str(rng.choice(BASES)), ROBOTS)]
@@ -111,7 +114,7 @@ class Schedule:
     begun = True  # nothing is measured, and every tick is decided when it comes
 
     def __init__(self, train: Train, team: Team, home: Vector, *, lagged: bool) -> None:
-        """Follow a train; ``lagged``: at robot B's ticks; ``home``: of all joints, shape (n,)."""
+        """Follow a train; ``lagged``: at the solver's ticks; ``home``: all joints, (n,)."""
         lags = train.lags if lagged else (0,) * len(train.targets)
         self._coming = sorted(
             ((tick + lag, k, robot, offset))
@@ -173,7 +176,7 @@ def run(train: Train, resolved: ResolvedScenario, parts: Parts, *, perfect: bool
         train: what comes.
         resolved: the default scenario; its events are left out.
         parts: of it.
-        perfect: whether robot B is always there and in time.
+        perfect: whether the solver is always there and in time.
     """
     transition = TransitionConfig(duration=train.duration)
     resolved = changed(resolved, mode=train.mode, transition=transition, events=())
@@ -216,7 +219,7 @@ def run(train: Train, resolved: ResolvedScenario, parts: Parts, *, perfect: bool
     return result
 
 
-def ways(result: Loop) -> Vector:
+def path_lengths(result: Loop) -> Vector:
     """Return how far each base went [m], shape (robots,)."""
     q = np.array([state.q for state in result.record.states])
     slices = result.parts.team.slices

@@ -44,7 +44,7 @@ _EVERY = 20  # ticks from one comparison with the dense solution to the next
 _US = 1e6
 
 _NOTES = (
-    "CPU time of a tick of robot A, the fastest pass of each tick. idle, blending: median over the",
+    "CPU time of a tick, the fastest pass of each tick. idle, blending: median over the",
     "ticks before the first switch, and over those at which all robots are in a blend; x 2 robots:",
     "that of blending over two robots; off dense: chi from the optimum of all joints solved",
     f"together, without clusters, at every {_EVERY}th tick; acc. ratio: peak over the limit.",

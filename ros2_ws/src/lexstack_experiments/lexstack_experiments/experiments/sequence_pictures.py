@@ -36,26 +36,26 @@ def draw(loop: Loop, measured: Analysis, out: Path) -> None:
 
 def _motion(measured: Analysis, times: dict[str, float], path: Path) -> None:
     """Draw end effectors against their references, then the bases, T Fig. 5."""
-    measures, robots = measured.measures, measured.run.robots
-    asked = np.zeros(measures.time.shape, dtype=np.bool_)
+    time_series, robots = measured.time_series, measured.run.robots
+    asked = np.zeros(time_series.time.shape, dtype=np.bool_)
     for phase in measured.phases:
         if tasks_of(measured.run, phase.stack, BASE_TASKS):
-            asked |= phase.ticks(measures.time)
-    base_target = np.where(asked[:, None, None], measures.base_target, np.nan)
+            asked |= phase.ticks(time_series.time)
+    base_target = np.where(asked[:, None, None], time_series.base_target, np.nan)
     tool, base = "end effector [m]", "base [m, rad]"
     panels = [
         (f"{name}: {what}", actual[:, i], target[:, i], names)
         for what, actual, target, names in (
-            (tool, measures.ee, measures.ee_target, ("x", "y", "z")),
-            (base, measures.base, base_target, ("x", "y", "yaw")),
+            (tool, time_series.ee, time_series.ee_target, ("x", "y", "z")),
+            (base, time_series.base, base_target, ("x", "y", "yaw")),
         )
         for i, name in enumerate(robots)
     ]
     with picture(path, len(panels), 1, (7.0, 1.6 * len(panels))) as axes:
         for panel, (title, actual, desired, names) in zip(axes, panels, strict=True):
             for k, name in enumerate(names):
-                panel.plot(measures.time, actual[:, k], color=COLOURS[k], label=name)
-                panel.plot(measures.time, desired[:, k], "--", color=COLOURS[k], linewidth=0.9)
+                panel.plot(time_series.time, actual[:, k], color=COLOURS[k], label=name)
+                panel.plot(time_series.time, desired[:, k], "--", color=COLOURS[k], linewidth=0.9)
             panel.set_title(f"{title}, dashed: reference", loc="left")
             legend_beside(panel)
             mark(panel, times)
@@ -64,7 +64,7 @@ def _motion(measured: Analysis, times: dict[str, float], path: Path) -> None:
 
 
 def _switch(loop: Loop, name: str, start: float, path: Path, *, side_by_side: bool) -> None:
-    """Draw what robot B asks for and what robot A commands around a switch, T Figs. 6 to 8."""
+    """Draw the solver's chi and the controller's command around a switch, T Figs. 6 to 8."""
     team, rate = loop.parts.team, loop.resolved.scenario.rate
     first, last = round((start - _BEFORE) * rate), round((start + _AFTER) * rate)
     commands = loop.record.commands[first:last]
@@ -88,7 +88,7 @@ def _switch(loop: Loop, name: str, start: float, path: Path, *, side_by_side: bo
 
 
 def _finish(panels: list[Axes], robot: str, times: dict[str, float]) -> None:
-    """Name one robot's panels: one with both curves, or B's to the left and A's to the right."""
+    """Name one robot's panels: both curves in one, or the solver's left and the command right."""
     if len(panels) == 1:
         panels[0].set_title(f"{robot}: dashed χ_B, solid χ [m/s, rad/s]", loc="left")
     else:
@@ -103,7 +103,7 @@ def _finish(panels: list[Axes], robot: str, times: dict[str, float]) -> None:
 
 
 def _source(loop: Loop, tick: int) -> Vector:
-    """Return robot B's chi of a tick, nan where it was not asked."""
+    """Return the solver's chi of a tick, nan where it was not asked."""
     return loop.record.sources.get(tick, np.full(loop.parts.team.n, np.nan))
 
 

@@ -1,7 +1,7 @@
 """Limits that change at once and exclude where the joints are, T Fig. 1.
 
-Robot A's law beside the boxes that T prints, T(31) and T(34), and beside the least time that the
-limits allow, which is worked out apart from the law.
+The controller's law beside the boxes that T prints, T(31) and T(34), and beside the least time that
+the limits allow, which is worked out apart from the law.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What happens in the experiment sudden-limits, and by which laws robot A keeps its limits."""
+"""What happens in the experiment sudden-limits, and the laws by which limits are kept."""
 
 from __future__ import annotations
 

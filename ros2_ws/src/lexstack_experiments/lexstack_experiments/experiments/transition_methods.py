@@ -22,7 +22,8 @@ OURS = next(iter(METHODS))
 FAMILY = (OURS, "bridge_jerk")  # one method; the second keeps jerk limits as well
 CASES = 10
 STILL = "no switch"
-# These never look at B's chi: they solve all levels of the new stack, or of both, themselves.
+# These never look at the solver's chi: they solve all levels of the new stack, or of both,
+# themselves.
 _ALONE = frozenset({"instant_limited", "activation", "weights"})
 _TIE = 1.05  # times the best figure that still counts as tied with it
 _NO_EXCESS = 1e-6  # m/s and rad/s
@@ -38,7 +39,7 @@ _NOTES = (
     "EE: distance of the tools from the same case without any switch.",
     "excess: level 1's residual beyond bounded least squares in the same box while level 1 goes on",
     "as it was; 'steps': over the blend of (C), at which its references jump.",
-    "QPs: levels that A solves per tick of a blend; us: wall time of such a tick.",
+    "QPs: levels that the controller solves per tick of a blend; us: wall time of such a tick.",
 )
 
 
@@ -102,7 +103,8 @@ def _figures(rows: Rows) -> list[Figure]:
         Figure("Rows best or tied in peak acceleration", count(smooth[0], among=everyone)),
         Figure("Rows best or tied in peak jerk", count(smooth[1], among=everyone)),
         Figure(
-            "Rows best or tied in both, of those who let B solve", count(*smooth, among=followers)
+            "Rows best or tied in both, of those who let the solver solve",
+            count(*smooth, among=followers),
         ),
         Figure("Rows without excess of level 1", sum(strict.values()), "", every),
         _worst("Largest acceleration / limit", rows, "acceleration", AT_MOST_ONE),

@@ -15,7 +15,7 @@ from lexstack_experiments.experiments.sequence_pictures import draw
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.measuring import largest
 from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table
-from lexstack_experiments.runs import analysed, changed, run_telling, scenario_of, with_method
+from lexstack_experiments.runs import analysed, changed, run_reporting, scenario_of, with_method
 
 NAME = "transition-sequence"
 BASELINE = "instant_limited"
@@ -28,8 +28,8 @@ def run(options: Options) -> Results:
     """Run the sequence with the default method and with the baseline, and compare."""
     resolved = sequence(options)
     method = resolved.scenario.transition.method
-    loop = run_telling(Loop(resolved), method, options.say)
-    baseline = run_telling(Loop(with_method(resolved, BASELINE)), BASELINE, options.say)
+    loop = run_reporting(Loop(resolved), method, options.say)
+    baseline = run_reporting(Loop(with_method(resolved, BASELINE)), BASELINE, options.say)
     ours, theirs = analysed(loop), analysed(baseline)
     draw(loop, ours, options.out)
     options.say(f"drew {options.cases + 1} pictures")

@@ -35,7 +35,7 @@ class _Above:
     """What the levels above leave: C x as it is, E x between two ends (from where it is)."""
 
     kept: Matrix  # C, shape (p, n)
-    walls: Matrix  # E, shape (q, n)
+    inherited: Matrix  # E, shape (q, n)
     low: Vector  # shape (q,), at most 0
     high: Vector  # shape (q,), at least 0
 
@@ -72,7 +72,7 @@ def _below(above: _Above, matrix: Matrix, ends: tuple[Vector, Vector], residual:
     kept = (lower == upper) | (np.abs(residual) > 1e-11)
     return _Above(
         np.vstack([above.kept, matrix[kept]]),
-        np.vstack([above.walls, matrix[~kept]]),
+        np.vstack([above.inherited, matrix[~kept]]),
         np.concatenate([above.low, np.minimum(lower[~kept], 0.0)]),
         np.concatenate([above.high, np.maximum(upper[~kept], 0.0)]),
     )
@@ -88,8 +88,8 @@ def _gap(gradient: Vector, above: _Above, box: Box) -> float:
     gap = _bound(gradient, above, box, *multipliers)
     # Forces on what is free are chi's fault; forces that pull what is touched may be ours.
     low, high = (np.where(pressed[0], 0.0, end) for end in box)
-    walls = (np.where(pressed[1], 0.0, end) for end in (above.low, above.high))
-    held = _Above(above.kept, above.walls, *walls)
+    inherited = (np.where(pressed[1], 0.0, end) for end in (above.low, above.high))
+    held = _Above(above.kept, above.inherited, *inherited)
     if gap - _bound(gradient, held, (low, high), *multipliers) <= _TINY:
         return gap
     first, pressed = _programmed(gradient, above, box)
@@ -101,7 +101,7 @@ def _bound(gradient: Vector, above: _Above, box: Box, mu: Vector, nu: Vector) ->
     # An end without limit allows one sign only.
     nu = np.where(np.isinf(above.high), np.minimum(nu, 0.0), nu)
     nu = np.where(np.isinf(above.low), np.maximum(nu, 0.0), nu)
-    rest = -(gradient + mu @ above.kept + nu @ above.walls)
+    rest = -(gradient + mu @ above.kept + nu @ above.inherited)
     ends = (np.concatenate([box[0], above.low]), np.concatenate([box[1], above.high]))
     forces = np.concatenate([rest, nu])
     end = np.where(forces > 0.0, ends[1], ends[0])
@@ -113,13 +113,13 @@ def _balance(
     gradient: Vector, above: _Above, pressed: tuple[Mask, Mask], first: tuple[Vector, Vector]
 ) -> tuple[Vector, Vector]:
     """Return the multipliers next to the first ones that leave no force but where it may press."""
-    joints, walls = pressed
-    mu, nu = first[0].copy(), np.where(walls, first[1], 0.0)
-    rest = -(gradient + mu @ above.kept + nu @ above.walls)
-    rows = np.vstack([above.kept, above.walls[walls]])
+    joints, inherited = pressed
+    mu, nu = first[0].copy(), np.where(inherited, first[1], 0.0)
+    rest = -(gradient + mu @ above.kept + nu @ above.inherited)
+    rows = np.vstack([above.kept, above.inherited[inherited]])
     found = np.linalg.lstsq(rows[:, ~joints].T, rest[~joints], rcond=1e-13)[0]
     mu += found[: mu.size]
-    nu[walls] += found[mu.size :]
+    nu[inherited] += found[mu.size :]
     return mu, nu
 
 
@@ -129,7 +129,7 @@ def _programmed(
     """Return the multipliers of the least bound by a linear program, and what they press."""
     n, p, q = gradient.size, len(above.kept), above.low.size
     scale = float(np.abs(gradient).max(initial=0.0)) or 1.0
-    sides = np.vstack([np.eye(n), above.walls])
+    sides = np.vstack([np.eye(n), above.inherited])
     cost = np.concatenate([box[1], above.high, -box[0], -above.low])
     never = np.isinf(cost)
     result = linprog(

@@ -100,7 +100,7 @@ class DaqpHierarchy:
         bounds = problem.bounds
         hierarchy = Hierarchy(problem.levels, bounds.lower.size)
         n = bounds.lower.size
-        ends = [n, *(n + level.part.stop for level in hierarchy.levels)]
+        ends = [n, *(n + level.rows.stop for level in hierarchy.levels)]
         lower = np.concatenate((bounds.lower, hierarchy.lower))
         upper = np.concatenate((bounds.upper, hierarchy.upper))
         x, _, flag, _ = daqp.solve(

@@ -1,4 +1,4 @@
-"""The problems that robot A solves in a closed loop, tick by tick, in the order of the ticks."""
+"""The problems that the controller solves in a closed loop, in the order of the ticks."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Sequence:
 
     Attributes:
         stack: that was in effect.
-        blending: whether A followed a source; it then solves level 1 and follow-chi.
+        blending: whether the controller followed a source; it then solves level 1 and follow-chi.
         problems: in the order of the ticks.
         pressed: the share of them whose optimum has a joint at its bound.
     """
@@ -54,7 +54,8 @@ def record(resolved: ResolvedScenario, longest: int, slower: float = 1.0) -> tup
     for _ in range(round(resolved.scenario.duration * resolved.scenario.rate)):
         log.clear()
         command = loop.step()
-        # What A solves as its own stand-in for B comes before, or has another box.
+        # What the controller solves as its own stand-in for the solver comes before, or has another
+        # box.
         own = [pair for pair in log if pair[0].bounds is command.bounds][-1]
         key = command.stack, command.transition.source is not Source.NONE
         found.setdefault(key, []).append(own)

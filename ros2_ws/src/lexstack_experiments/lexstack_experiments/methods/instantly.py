@@ -8,7 +8,7 @@ from lexstack.transition import Bridge, View
 
 def instant(view: View, _latched: Bridge, _alpha: float) -> HqpProblem:
     """Return the source's optimum as it is, without acceleration limits."""
-    return HqpProblem((view.part.follow(view.source),), view.context.free_bounds())
+    return HqpProblem((view.group.follow(view.source),), view.context.free_bounds())
 
 
 def instant_limited(view: View, _latched: Bridge, _alpha: float) -> HqpProblem:

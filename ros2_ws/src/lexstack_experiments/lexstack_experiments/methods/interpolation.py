@@ -14,4 +14,4 @@ def interpolation(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     """
     old = view.context.solve(HqpProblem(view.old(), view.context.free_bounds()))
     mean = (1.0 - alpha) * old + alpha * view.source
-    return HqpProblem((view.part.follow(mean),), view.context.bounds)
+    return HqpProblem((view.group.follow(mean),), view.context.bounds)

@@ -21,7 +21,7 @@ from lexstack_interfaces.msg import Chi
 from lexstack_interfaces.srv import ApplyWrench
 from lexstack_plant.options import BridgeOptions
 from lexstack_plant.pacing import Pacer
-from lexstack_plant.tick_cycle import Cycle
+from lexstack_plant.tick_cycle import TickCycle
 from lexstack_plant.topics import PlantTopics
 from lexstack_ros.intake.drain import waiting
 from lexstack_ros.messages.conversions import check_robots, to_vector
@@ -56,10 +56,10 @@ class SimBridge(Node):
         self._plant = Plant(resolved, self._team, scenario.seed)
         self._pacer = Pacer(scenario.mode, self._plant.period, scenario.timeouts.command_wall)
         last = round(scenario.duration * scenario.rate)
-        self._cycle = Cycle(self._plant, self._pacer, last, self._publish, monotonic)
+        self._tick_cycle = TickCycle(self._plant, self._pacer, last, self._publish, monotonic)
         self._commander = SoleSender(_COMMAND)
         self._refused = 0
-        self._refusal = ""  # the last one since the last report
+        self._rejection = ""  # the last one since the last report
         self._finished = False
         self._topics = PlantTopics(self, self._team, scenario.rate)
         self._commands = self.create_subscription(Chi, _COMMAND, self._on_command, STREAM)
@@ -72,9 +72,9 @@ class SimBridge(Node):
         self._timer = self.create_timer(1.0, self._on_timer, clock=wall)
         self._wake = 0.0
         if self._options.start_paused:
-            self._cycle.start()
+            self._tick_cycle.start()
         else:
-            self._cycle.resume()
+            self._tick_cycle.resume()
         self._arm()
         self._readiness = Readiness(self, hears_plant=True)
 
@@ -87,11 +87,11 @@ class SimBridge(Node):
             self._commander.release()  # it is silent: whoever speaks first may command
         self._topics.publish(state, status, self._pacer.late_ticks, missing, self._commander.name)
         self._topics.publish_for_tools(state, self._plant.effort)
-        if self._cycle.ended and not self._finished:
+        if self._tick_cycle.ended and not self._finished:
             self.get_logger().info(f"finished: {state.tick} ticks")
             if self._options.exit_at_end:
                 self.context.shutdown()
-        self._finished = self._cycle.ended
+        self._finished = self._tick_cycle.ended
 
     def _on_command(self, message: Chi) -> None:
         """Take a command, and what waits behind it."""
@@ -107,27 +107,27 @@ class SimBridge(Node):
                 raise InputError(f"{_COMMAND}: its solver failed: {message.reason}")
             chi = to_vector(message.chi, self._team.n, f"{_COMMAND}: chi")
             with self._commander.believing(message.sender):
-                self._cycle.take(message.tick, chi)
+                self._tick_cycle.take(message.tick, chi)
         except InputError as error:
             self._refused += 1
-            self._refusal = f"refused: {error}"
+            self._rejection = f"refused: {error}"
             self.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
 
     def _on_timer(self) -> None:
         """Wake the cycle when its deadline is there; deadlines may have moved meanwhile."""
-        if monotonic() >= self._cycle.deadline - _EARLY:
-            self._cycle.expire()
+        if monotonic() >= self._tick_cycle.deadline - _EARLY:
+            self._tick_cycle.expire()
         self._arm()
         self._diagnostics.catch_up()
 
     def _wake_up(self) -> None:
         """Set the timer anew, but only where it would come too late: that takes 24 us."""
-        if self._cycle.deadline < self._wake:
+        if self._tick_cycle.deadline < self._wake:
             self._arm()
 
     def _arm(self) -> None:
         """Let the timer come at the deadline."""
-        self._wake = self._cycle.deadline
+        self._wake = self._tick_cycle.deadline
         self._timer.timer_period_ns = max(_SOONEST, round(1e9 * (self._wake - monotonic())))
         self._timer.reset()
 
@@ -136,18 +136,18 @@ class SimBridge(Node):
     def _on_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Pause after the present tick, or go on."""
         if request.data:
-            return self._answer(self._cycle.pause, response)
-        return self._answer(self._cycle.resume, response)
+            return self._answer(self._tick_cycle.pause, response)
+        return self._answer(self._tick_cycle.resume, response)
 
     def _on_step(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Run one tick of a paused plant."""
-        return self._answer(partial(self._cycle.resume, 1), response)
+        return self._answer(partial(self._tick_cycle.resume, 1), response)
 
     def _on_reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Put the robots where the scenario starts; paused or running, as before."""
         self._topics.count_reset()
         self._commander.release()
-        return self._answer(self._cycle.reset, response)
+        return self._answer(self._tick_cycle.reset, response)
 
     def _on_wrench(
         self, request: ApplyWrench.Request, response: ApplyWrench.Response
@@ -179,12 +179,12 @@ class SimBridge(Node):
     def _health(self) -> Health:
         """Return how the plant is."""
         status, counters = self._plant.status, dataclasses.asdict(self._plant.counters)
-        refusal, self._refusal = self._refusal, ""
+        rejection, self._rejection = self._rejection, ""
         waits = "" if status == Status.FOLLOWING else f"{status.name.lower()}: no command comes"
         return Health(
-            first(waits, refusal),
+            first(waits, rejection),
             {
-                "tick": str(self._cycle.state.tick),
+                "tick": str(self._tick_cycle.state.tick),
                 "late ticks": str(self._pacer.late_ticks),
                 "schedule restarts": str(self._pacer.restarts),
                 "refused commands": str(self._refused),

@@ -1,1 +1,1 @@
-"""The node of the controller (robot A)."""
+"""The node of the controller (T: robot A)."""

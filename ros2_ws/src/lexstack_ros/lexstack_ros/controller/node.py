@@ -1,4 +1,4 @@
-"""Robot A: one command per plant state; switches its stack when asked to."""
+"""The controller: one command per plant state; switches its stack when asked to."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from lexstack_ros.intake.plant_states import PlantStates
 from lexstack_ros.messages.conversions import WORLD, chi_of_command, to_sample, transition_status
 from lexstack_ros.messages.plans import PLAN, to_plan
 from lexstack_ros.messages.qos import STREAM
-from lexstack_ros.node.absence import Journal
+from lexstack_ros.node.absence import Absence
 from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, all_of
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter, tell_scenario
-from lexstack_ros.node.peer_watch import Watch
+from lexstack_ros.node.peer_watch import PeerWatch
 from lexstack_ros.node.sole_sender import AlreadyCommandedError, sender_name
 from lexstack_ros.node.spin import run_node
 
 _LATE_START = 1.0  # s of simulated time: whoever comes later has been there before, or should have
-_LOOK = 0.02  # s of wall time between two looks whether the wait for B is over
+_LOOK = 0.02  # s of wall time between two looks whether the wait for the solver is over
 
 
 class HqpControllerNode(Node):
@@ -43,7 +43,7 @@ class HqpControllerNode(Node):
         self._controller = build_controller(self._resolved, self._parts)
         timeouts = self._resolved.scenario.timeouts
         self._patience = timeouts.source_wall
-        self._journal = Journal(round(timeouts.watchdog * self._resolved.scenario.rate))
+        self._absence = Absence(round(timeouts.watchdog * self._resolved.scenario.rate))
         self._state: RobotState | None = None  # the one that still waits for its command
         self._served = -1
         self._deadline = 0.0
@@ -51,7 +51,7 @@ class HqpControllerNode(Node):
         self._damped = 0  # ticks near a singularity
         self._near = ""  # the last of them since the last report
         self._meter = Meter()
-        self._late = 0  # ticks that waited in vain for robot B
+        self._late = 0  # ticks that waited in vain for the solver
         self.failure: AlreadyCommandedError | None = None  # ends the process
         self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
         self._chi.header.frame_id = WORLD
@@ -72,7 +72,7 @@ class HqpControllerNode(Node):
         )
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_LOOK, self._on_look, clock=wall)
-        self._watch = Watch(self)
+        self._peer_watch = PeerWatch(self)
         Diagnostics(self, self._health)
         self._states = PlantStates(
             self,
@@ -87,13 +87,13 @@ class HqpControllerNode(Node):
 
     def _on_state(self, state: RobotState) -> None:
         """Serve a new state, or keep it until the source's chi is there."""
-        away = self._journal.arrive(state.tick)
+        away = self._absence.arrive(state.tick)
         if away:
             self._controller.transition.note(away)
         if not self._decisions.known(state, self._late_start):
             return
-        # A tick's references are decided when its state comes, if not before: what comes while A
-        # waits for the source would reach the two at different ticks.
+        # A tick's references are decided when its state comes, if not before: what comes while the
+        # controller waits for the source would reach the two at different ticks.
         self._controller.prepare(state)
         if self._decisions.missing:
             self._controller.transition.note(self._decisions.missing)
@@ -110,7 +110,7 @@ class HqpControllerNode(Node):
         return name == self._chi.sender
 
     def _on_source(self, message: Chi) -> None:
-        """Take robot B's chi, and what waits behind it, one by one: the first may be due."""
+        """Take the solver's chi, and what waits behind it, one by one: the first may be due."""
         for chi in (message, *(other for other, _ in waiting(self._source))):
             try:
                 self._controller.transition.hear(to_sample(chi, self._parts.team, "/robot_b/chi"))
@@ -149,7 +149,7 @@ class HqpControllerNode(Node):
         self._chi_out.publish(chi_of_command(command, self._chi))
         for transition in command.transitions:
             self._status_out.publish(transition_status(command, transition, self._status))
-        self._journal.see(command.transitions)
+        self._absence.see(command.transitions)
         self._served = state.tick
         self._meter.add(command.solve_time)
         near = command.near_singularity
@@ -169,11 +169,11 @@ class HqpControllerNode(Node):
         self._targets.schedule = self._controller.references
         self._decisions.restart(self._controller.references)
         self._requests.restart(self._controller.transition)
-        self._journal.begin_anew()
+        self._absence.begin_anew()
 
     def _complaints(self) -> tuple[str, ...]:
         """Return what the node's parts complain of."""
-        return self._journal.report(), self._watch.report(), self._targets.report()
+        return self._absence.report(), self._peer_watch.report(), self._targets.report()
 
     def _health(self) -> Health:
         """Return how the node is."""
@@ -187,7 +187,7 @@ class HqpControllerNode(Node):
                 **self._meter.report(),
                 **ages,
                 "tick": str(self._served),
-                "ticks without robot B in time": str(self._late),
+                "ticks without the solver in time": str(self._late),
                 "fallbacks": str(self._fallbacks),
                 "ticks damped near a singularity": str(self._damped),
                 "levels held back by bounds": self._controller.obstructed(),
@@ -198,7 +198,7 @@ class HqpControllerNode(Node):
 
 
 def main() -> int:
-    """Run robot A's controller; returns the exit code."""
+    """Run the controller's controller; returns the exit code."""
     return run_node(HqpControllerNode)
 
 

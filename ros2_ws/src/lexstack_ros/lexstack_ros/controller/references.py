@@ -1,4 +1,4 @@
-"""References by topic: robot A takes targets and decides; others hear its decisions."""
+"""References by topic: the controller takes targets and decides; others hear its decisions."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from lexstack_ros.messages.references import references_message, to_setting
 
 DECISIONS = "/robot_a/references"
 KEPT = "/robot_b/references"
-"""What robot B has heard of them, for a robot A that starts again."""
+"""What the solver has heard of them, for a controller that starts again."""
 
 _KINDS = {"ee_target": to_ee_target, "base_target": to_base_target}
-_PATIENCE = 3.0  # s of wall time, for what robot B keeps: discovery takes most of it
+_PATIENCE = 3.0  # s of wall time, for what the solver keeps: discovery takes most of it
 _SENDERS = 8  # whose decisions are kept
 
 
@@ -43,7 +43,7 @@ class TargetTopics:
         self._node = node
         self.schedule = schedule
         self.refused = 0
-        self._refusal = ""  # the last one since the last report
+        self._rejection = ""  # the last one since the last report
         for robot, name in enumerate(team.names):
             for kind in _KINDS:
                 topic = f"/{name}/{kind}"
@@ -59,13 +59,13 @@ class TargetTopics:
             self.refused += 1
             text = str(error).removeprefix(f"{kind}: ")
             line = text if text.startswith(topic) else f"{topic}: {text}"
-            self._refusal = f"refused: {line}"
-            self._node.get_logger().warning(self._refusal, throttle_duration_sec=1.0)
+            self._rejection = f"refused: {line}"
+            self._node.get_logger().warning(self._rejection, throttle_duration_sec=1.0)
 
     def report(self) -> str:
         """Return the last refusal since the last report, or ''."""
-        refusal, self._refusal = self._refusal, ""
-        return refusal
+        rejection, self._rejection = self._rejection, ""
+        return rejection
 
 
 class HeardReferences:
@@ -122,11 +122,11 @@ class HeardReferences:
 
 
 class Decisions:
-    """Robot A's decisions on references: made one tick ahead, and told before the plant goes on.
+    """The controller's decisions on references: made one tick ahead, before the plant goes on.
 
     Attributes:
         schedule: decides.
-        missing: why a robot A that starts again could not go on with the last ones, or ''.
+        missing: why a controller that starts again could not go on with the last ones, or ''.
     """
 
     def __init__(self, node: Node, team: Team, schedule: ReferenceSchedule, sender: str) -> None:
@@ -151,8 +151,8 @@ class Decisions:
     def known(self, state: RobotState, late: int) -> bool:
         """Return whether the first references can be decided for a state.
 
-        A robot A that starts again, at a tick after ``late``, goes on with what robot B has kept;
-        it waits for it a moment.
+        A controller that starts again, at a tick after ``late``, goes on with what the solver has
+        kept; it waits for it a moment.
         """
         if self.schedule.begun or state.tick <= late:
             return True
@@ -183,7 +183,7 @@ class _Goals:
 
     def __init__(self, node: Node, team: Team) -> None:
         """Create the publishers."""
-        self._told: Setting | None = None
+        self._announced: Setting | None = None
         self._ee: list[Publisher] = []
         self._base: list[Publisher] = []
         for name in team.names:
@@ -194,7 +194,7 @@ class _Goals:
 
     def tell(self, setting: Setting) -> None:
         """Publish the goals that have changed."""
-        before, self._told = self._told, setting
+        before, self._announced = self._announced, setting
         for robot, (out, ee) in enumerate(zip(self._ee, setting.ee, strict=True)):
             if before is None or ee is not before.ee[robot]:
                 self._publish(out, ee, setting.at)

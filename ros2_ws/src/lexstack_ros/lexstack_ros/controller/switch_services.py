@@ -1,4 +1,4 @@
-"""How a user asks robot A to switch its stack: services, a topic, parameters."""
+"""How a user asks the controller to switch its stack: services, a topic, parameters."""
 
 from __future__ import annotations
 

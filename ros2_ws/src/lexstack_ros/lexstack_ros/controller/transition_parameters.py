@@ -1,4 +1,4 @@
-"""The parameters that a user changes while robot A runs."""
+"""The parameters that a user changes while the controller runs."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class PlantStates:
         Create this after the node's other topics: readiness looks at all of them.
         """
         self.refused = self.skipped = 0
-        self._refusal = ""  # the last one since the last report
+        self._rejection = ""  # the last one since the last report
         self.delays = Delays(_TOPIC)
         self._node = node
         self._team = team
@@ -74,19 +74,19 @@ class PlantStates:
 
     def refuse(self, error: InputError) -> None:
         """Count and tell of a message that does not fit; no flood of lines."""
-        self.note_refusal(error)
+        self.note_rejection(error)
         self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
 
-    def note_refusal(self, error: InputError) -> None:
+    def note_rejection(self, error: InputError) -> None:
         """Count a message that does not fit, for the next report."""
         self.refused += 1
-        self._refusal = f"refused: {error}"
+        self._rejection = f"refused: {error}"
 
     def report(self) -> tuple[str, dict[str, str]]:
         """Return a complaint (or '') and the figures since the last report."""
         complaint, values = self.delays.report()
-        refusal, self._refusal = self._refusal, ""
-        return first(complaint, refusal), values
+        rejection, self._rejection = self._rejection, ""
+        return first(complaint, rejection), values
 
     def _hear(self, message: PlantState, info: dict[str, int]) -> None:
         """Take note of a message that is the plant's."""

@@ -139,7 +139,7 @@ def _among_all(chi: Vector, robots: Sequence[int], team: Team) -> Vector:
 
 
 def chi_of_command(command: Command, message: Chi) -> Chi:
-    """Return A's command, written into ``message``, which is used again every tick."""
+    """Return the controller's command, written into ``message``, which is used again every tick."""
     message.header.stamp = to_time(command.stamp)
     message.tick = command.tick
     message.stack = command.stack

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-SOLVER = "stack_solver"  # robot B; further ones are stack_solver_2 and so on
+SOLVER = "stack_solver"  # the solver; further ones are stack_solver_2 and so on
 PAGE = "view"
 URL = "page: "  # what stands before the live page's address in what its process prints
 

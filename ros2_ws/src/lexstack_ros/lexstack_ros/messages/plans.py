@@ -50,7 +50,7 @@ def plan_message(plan: Plan, names: list[str]) -> JointTrajectory:
 
 
 def to_plan(message: JointTrajectory, team: Team, rate: float) -> HeardPlan:
-    """Return a plan as robot A follows it, ``rate`` in ticks per second; raises InputError."""
+    """Return a plan for the controller, ``rate`` in ticks per second; raises InputError."""
     robot = _robot_of(message.joint_names, team)
     if not 2 <= len(message.points) <= _MOST_POINTS:
         raise InputError(f"{PLAN}: points: expected 2 to {_MOST_POINTS}, got {len(message.points)}")

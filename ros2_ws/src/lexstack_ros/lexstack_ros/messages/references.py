@@ -1,4 +1,4 @@
-"""Robot A's decisions on references as messages, and back."""
+"""The controller's decisions on references as messages, and back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What robot A tells of its own absence, and of the reasons that stood in its transitions."""
+"""What the controller reports of its own absence, and of its transitions' reasons."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from lexstack.transition import TransitionState
 
 
-class Journal:
-    """The ticks that robot A served, and why its transitions are not as asked."""
+class Absence:
+    """The ticks that the controller served, and why its transitions are not as asked."""
 
     def __init__(self, longest: int) -> None:
-        """More than ``longest`` ticks without robot A are an absence: the plant brakes then."""
+        """More than ``longest`` ticks without it are an absence: the plant brakes then."""
         self._longest = longest
         self._served: int | None = None
         self._anew = False
@@ -23,15 +23,15 @@ class Journal:
         self._served, self._anew = None, True
 
     def arrive(self, tick: int) -> str:
-        """Return why robot A goes on at this tick as if it had just begun, or ''."""
+        """Return why the controller goes on at this tick as if it had just begun, or ''."""
         before, self._served = self._served, tick
         anew, self._anew = self._anew, False
         if anew:
-            return f"the plant began anew, robot A at tick {tick}"
+            return f"the plant began anew, the controller at tick {tick}"
         if before is None:
-            return f"robot A began at tick {tick}" if tick > self._longest else ""
+            return f"the controller began at tick {tick}" if tick > self._longest else ""
         if tick - before > self._longest:
-            return f"robot A was away from tick {before + 1} to {tick - 1}"
+            return f"the controller was away from tick {before + 1} to {tick - 1}"
         return ""
 
     def see(self, transitions: Sequence[TransitionState]) -> None:

@@ -79,18 +79,18 @@ class Diagnostics:
         self._node = node
         self._health = health
         self._period = period
-        self._told = time.monotonic()
+        self._reported = time.monotonic()
         self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         node.create_timer(period, self._publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def catch_up(self) -> None:
         """Publish if that is overdue: a timer that is late itself may keep others from coming."""
-        if time.monotonic() - self._told > 1.5 * self._period:
+        if time.monotonic() - self._reported > 1.5 * self._period:
             self._publish()
 
     def _publish(self) -> None:
         """Publish once."""
-        self._told = time.monotonic()
+        self._reported = time.monotonic()
         health = self._health()
         status = DiagnosticStatus(
             level=DiagnosticStatus.WARN if health.message else DiagnosticStatus.OK,

@@ -15,7 +15,7 @@ _SILENT = 2.5  # s of wall time: two and a half reports
 _GONE = 60.0  # s after which a node is not missed any more: it has left for good
 
 
-class Watch:
+class PeerWatch:
     """The nodes that were heard in /diagnostics, and since when each is silent."""
 
     def __init__(self, node: Node, clock: Callable[[], float] = time.monotonic) -> None:

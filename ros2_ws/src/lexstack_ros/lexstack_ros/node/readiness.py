@@ -75,7 +75,7 @@ class Readiness:
         names = text_parameter(node, "peers", "nodes to connect with first, comma-separated", "")
         self._peers = [name.strip() for name in names.split(",") if name.strip()]
         self._since = time.monotonic()
-        self._told = self._since
+        self._reported = self._since
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = node.create_timer(_PERIOD, self._look, clock=wall)
 
@@ -92,7 +92,7 @@ class Readiness:
 
     def _tell(self, now: float) -> None:
         """Say now and then what is missing."""
-        if now - self._told >= _TELL:
-            self._told = now
+        if now - self._reported >= _TELL:
+            self._reported = now
             what = missing_connections(self._node, self._peers)
             self._node.get_logger().info(what or "waits for a state of the plant")

@@ -1,4 +1,4 @@
-"""The HTMPC as a user of robot A: asks it to follow plans, and to go back to its own stack."""
+"""The HTMPC as a user of the controller: asks it to follow plans, and to go back."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from lexstack_interfaces.srv import SwitchStack
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.planner.goals import Job
 
-_ANSWER = 5.0  # s of wall time to wait for robot A's answer
+_ANSWER = 5.0  # s of wall time to wait for the controller's answer
 _LOOK = 0.5  # s of wall time between two looks at that
-_AHEAD = 2  # plans between the answer and the tick at which robot A goes back
+_AHEAD = 2  # plans between the answer and the tick at which the controller goes back
 
 OnAnswer = Callable[[Job, bool, str], None]
 """Called with the job, whether it was asked to go back, and why it was refused, or ''."""
 
 
-class Following:
-    """Asks robot A by the service that all users have, and hears what became of it."""
+class FollowClient:
+    """Asks the controller by the service that all users have, and hears what became of it."""
 
     def __init__(
         self, node: Node, team: Team, resolved: ResolvedScenario, on_answer: OnAnswer
     ) -> None:
-        """Listen to robot A; ``on_answer`` hears its answers."""
+        """Listen to the controller; ``on_answer`` hears its answers."""
         self._node = node
         self._team = team
         self._known = resolved.stacks
@@ -41,7 +41,7 @@ class Following:
         self._initial = resolved.scenario.initial_stack
         self._blend = resolved.scenario.transition.duration
         self._on_answer = on_answer
-        self._asked: dict[Future, tuple[Job, bool, float]] = {}
+        self._requested: dict[Future, tuple[Job, bool, float]] = {}
         self._now: dict[str, str] = {}  # by robot: the stack that it is on or goes to
         self._client = node.create_client(SwitchStack, "/robot_a/switch_stack")
         node.create_subscription(TransitionStatus, "/robot_a/transition", self._on_status, STREAM)
@@ -50,11 +50,11 @@ class Following:
 
     @property
     def pending(self) -> bool:
-        """Whether an answer of robot A is awaited."""
-        return bool(self._asked)
+        """Whether an answer of the controller is awaited."""
+        return bool(self._requested)
 
     def stack(self, robot: int) -> str:
-        """Return the stack that a robot is on, or goes to; '' before robot A was heard."""
+        """Return the stack that a robot is on, or goes to; '' before the controller was heard."""
         return self._now.get(self._team.names[robot], "")
 
     def check(self, robot: str) -> None:
@@ -65,7 +65,7 @@ class Following:
             raise InputError(f"robot: {robot} has no stack {stack!r} to follow a plan on: {why}")
 
     def begin(self, job: Job) -> None:
-        """Ask robot A to follow the plan from the job's tick on, and note where to go back to."""
+        """Ask the controller to follow the plan from the job's tick on; note the way back."""
         name = self._team.names[job.robot]
         now = self.stack(job.robot).removesuffix(AT_REST)
         if not job.origin:
@@ -74,12 +74,12 @@ class Following:
         self._ask(job, plan_stack(name), job.at_tick, back=False)
 
     def go_back(self, job: Job, tick: int, every: int) -> None:
-        """Ask robot A to go back to its own stack, a few plans after ``tick``."""
+        """Ask the controller to go back to its own stack, a few plans after ``tick``."""
         self._ask(job, job.origin, tick + _AHEAD * every, back=True)
 
     def _ask(self, job: Job, stack: str, at_tick: int, *, back: bool) -> None:
         """Send a request for the job's robot."""
-        # The duration is given: plans know until when robot A is still on its way to them.
+        # The duration is given: plans know until when the controller is still on its way to them.
         request = SwitchStack.Request(
             stack=stack,
             duration=self._blend,
@@ -87,23 +87,23 @@ class Following:
             robots=[self._team.names[job.robot]],
         )
         future = self._client.call_async(request)
-        self._asked[future] = job, back, time.monotonic() + _ANSWER
+        self._requested[future] = job, back, time.monotonic() + _ANSWER
         future.add_done_callback(partial(self._on_done))
 
     def _on_done(self, future: Future) -> None:
         """Hand an answer on."""
-        job, back, _ = self._asked.pop(future, (None, False, 0.0))
+        job, back, _ = self._requested.pop(future, (None, False, 0.0))
         if job is not None:
             answer = future.result()
             self._on_answer(job, back, "" if answer.accepted else answer.message)
 
     def _on_look(self) -> None:
         """Take an answer that does not come for a refusal."""
-        for future, (job, back, end) in list(self._asked.items()):
+        for future, (job, back, end) in list(self._requested.items()):
             if time.monotonic() > end:
-                del self._asked[future]
+                del self._requested[future]
                 self._client.remove_pending_request(future)
-                self._on_answer(job, back, f"robot A did not answer in {_ANSWER:g} s")
+                self._on_answer(job, back, f"the controller did not answer in {_ANSWER:g} s")
 
     def _on_status(self, message: TransitionStatus) -> None:
         """Note where robots are."""

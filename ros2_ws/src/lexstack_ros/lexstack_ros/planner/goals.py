@@ -27,10 +27,10 @@ _RESTS = 1e-3  # m/s, rad/s: a base that is slower stays where it is
 class Stage(Enum):
     """How far a job is."""
 
-    ASKED = 1  # robot A has been asked to follow the plan, its answer is awaited
+    ASKED = 1  # the controller has been asked to follow the plan, its answer is awaited
     WAITING = 2  # for its first tick
-    RUNNING = 3  # the MPC plans; robot A follows
-    LEAVING = 4  # robot A has been asked to go back; plans go on until it does
+    RUNNING = 3  # the MPC plans; the controller follows
+    LEAVING = 4  # the controller has been asked to go back; plans go on until it does
 
 
 class GoalServer(ActionServer):
@@ -56,7 +56,7 @@ class Wanted:
         robot: its place in the team.
         tasks: of the sequence.
         architecture: ht or st.
-        at_tick: the tick at which robot A begins to follow.
+        at_tick: the tick at which the controller begins to follow.
         begin: the tick of the first plan.
     """
 
@@ -74,11 +74,11 @@ class Job:
         robot: its place in the team.
         tasks: of the sequence.
         architecture: ht or st.
-        at_tick: the tick at which robot A begins to follow.
+        at_tick: the tick at which the controller begins to follow.
         begin: the tick of the first plan.
-        origin: the stack that robot A goes back to.
+        origin: the stack that the controller goes back to.
         stage: how far it is.
-        followed: whether robot A has been seen following this job's plan.
+        followed: whether the controller has been seen following this job's plan.
         result: of the action, once the job has ended.
         on_end: called once, when the result is there.
     """

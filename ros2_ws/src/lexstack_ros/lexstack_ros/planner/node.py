@@ -1,4 +1,4 @@
-"""The HTMPC node: executes sequences of tasks; robot A follows its plans like robot B's chi."""
+"""The HTMPC node: executes sequences of tasks; the controller follows its plans."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter
 from lexstack_ros.node.spin import beside, run_node
-from lexstack_ros.planner.follow_client import Following
+from lexstack_ros.planner.follow_client import FollowClient
 from lexstack_ros.planner.goals import GoalServer, Job, Stage, base_at, wanted_of
 from lexstack_ros.planner.sequence_changes import SequenceChanges, Wish
 
@@ -68,7 +68,7 @@ class HtmpcNode(Node):
         self._plan_out = self.create_publisher(JointTrajectory, PLAN, STREAM)
         self._status_out = self.create_publisher(SequenceStatus, "/htmpc/status", STREAM)
         self._sequence_out = self.create_publisher(Sequence, "/htmpc/sequence", LATCHED)
-        self._following = Following(self, self._team, self._resolved, self._on_answer)
+        self._follow_client = FollowClient(self, self._team, self._resolved, self._on_answer)
         self._action = GoalServer(
             self,
             ExecuteSequence,
@@ -90,12 +90,12 @@ class HtmpcNode(Node):
         """Accept a goal that can be met; log and diagnostics say why another is refused."""
         try:
             wanted = wanted_of(goal, self._team, self._state, self._every, self._horizon)
-            self._following.check(goal.robot)
+            self._follow_client.check(goal.robot)
             base = base_at(self._state, self._team.slices[wanted.robot])
             self._reach[wanted.robot].check(wanted.tasks, wanted.architecture, base)
         except InputError as error:
             # The action's answer has no room for the reason.
-            self._states.note_refusal(InputError(f"{ACTION}: {error}"))
+            self._states.note_rejection(InputError(f"{ACTION}: {error}"))
             log = self.get_logger()
             log.warning(f"refused: {ACTION}: {error}", throttle_duration_sec=_THROTTLE)
             return GoalResponse.REJECT
@@ -114,17 +114,19 @@ class HtmpcNode(Node):
             job.origin = before.origin
         self._runner(job.robot)
         self._jobs[job.robot] = job
-        self._following.begin(job)
+        self._follow_client.begin(job)
 
     def _execute(self, handle: ServerGoalHandle) -> ExecuteSequence.Result | None:
         """Return the result of a goal that has ended."""
         return self._by_goal.pop(bytes(handle.goal_id.uuid)).result
 
-    def _on_answer(self, job: Job, back: bool, refusal: str) -> None:
-        """Go on as robot A has answered."""
-        if refusal:
-            self.get_logger().warning(f"robot A refused: {refusal}", throttle_duration_sec=1.0)
-            job.end(f"robot A refused: {refusal}")
+    def _on_answer(self, job: Job, back: bool, rejection: str) -> None:
+        """Go on as the controller has answered."""
+        if rejection:
+            self.get_logger().warning(
+                f"the controller refused: {rejection}", throttle_duration_sec=1.0
+            )
+            job.end(f"the controller refused: {rejection}")
             if not back and self._jobs.get(job.robot) is job:
                 self._drop(job)
         elif job.stage is Stage.ASKED:
@@ -135,9 +137,9 @@ class HtmpcNode(Node):
         """Change a sequence under way, now or later; returns what was done, raises InputError."""
         change, state = wish.change, self._state
         if wish.at_tick:
-            refusal = too_far(wish.at_tick, -1 if state is None else state.tick, self._horizon)
-            if refusal or len(self._later) >= MAX_SCHEDULED:
-                raise InputError(refusal or f"{MAX_SCHEDULED} changes are to come already")
+            rejection = too_far(wish.at_tick, -1 if state is None else state.tick, self._horizon)
+            if rejection or len(self._later) >= MAX_SCHEDULED:
+                raise InputError(rejection or f"{MAX_SCHEDULED} changes are to come already")
             self._later.append(wish)
             return f"{change.kind}: {change.name} at tick {wish.at_tick}"
         running = [robot for robot, job in self._jobs.items() if job.stage is Stage.RUNNING]
@@ -180,9 +182,9 @@ class HtmpcNode(Node):
         self._serve()
 
     def _serve(self) -> None:
-        """Plan for every robot with a sequence, unless robot A's answer decides what comes."""
+        """Plan for every robot with a sequence, unless an answer is awaited that decides."""
         state = self._waits
-        if state is None or (self._lockstep and self._following.pending):
+        if state is None or (self._lockstep and self._follow_client.pending):
             return
         self._waits = None
         self._change_due(state.tick)
@@ -210,17 +212,17 @@ class HtmpcNode(Node):
         if job.stage is Stage.RUNNING and (job.cancelled or progress.sequence.done):
             job.end("" if progress.sequence.done else "cancelled")
             job.stage = Stage.LEAVING
-            self._following.go_back(job, state.tick, self._every)
+            self._follow_client.go_back(job, state.tick, self._every)
 
     def _left(self, job: Job) -> bool:
-        """Return whether robot A does not follow any more, and then forget the job."""
-        stack = self._following.stack(job.robot)
+        """Return whether the controller does not follow any more, and then forget the job."""
+        stack = self._follow_client.stack(job.robot)
         if stack == plan_stack(self._team.names[job.robot]):
             job.followed = True
             return False
         if not job.followed:
             return False
-        job.end(f"robot A went to {stack!r}")
+        job.end(f"the controller went to {stack!r}")
         self._drop(job)
         return True
 

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from lexstack_bag.errors import BagError
-from lexstack_bag.run.provenance import run_facts
+from lexstack_bag.run.provenance import run_provenance
 from lexstack_bag.storage.writer import BagWriter
 from lexstack_bag.topics import NEEDED, contract_topics
 from lexstack_ros.node.diagnostics import Diagnostics, Health, first
@@ -43,7 +43,7 @@ class Recorder(Node):
         self.niceness = beside(resolved.scenario.mode)
         expected = contract_topics(resolved.scenario.robots) | options.expected
         self._selection = options.selection
-        self._writer = BagWriter(options.output, run_facts(resolved), options.storage)
+        self._writer = BagWriter(options.output, run_provenance(resolved), options.storage)
         self._taps: dict[str, Tap] = {}
         self._announced: set[str] = set()
         self._refused: set[str] = set()

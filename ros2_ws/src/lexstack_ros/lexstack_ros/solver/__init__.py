@@ -1,1 +1,1 @@
-"""The node of the stack solver (robot B)."""
+"""The node of the stack solver (T: robot B)."""

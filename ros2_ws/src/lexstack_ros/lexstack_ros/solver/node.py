@@ -1,4 +1,4 @@
-"""Robot B: solves the stack that robot A asks for, for the same plant states."""
+"""The solver: solves the stack that the controller asks for, for the same plant states."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class StackSolverNode(Node):
         return True
 
     def _on_references(self, message: References) -> None:
-        """Keep robot A's decision for it; solve again what it changes of the present tick."""
+        """Keep the controller's decision for it; solve again what changes of the present tick."""
         if self._kept is not None:
             self._kept.publish(message)
         state = self._state
@@ -81,7 +81,7 @@ class StackSolverNode(Node):
             self._serve()
 
     def _on_request(self, message: StackRequest) -> None:
-        """Take robot A's wish, and serve it for the present state if that is due."""
+        """Take the controller's wish, and serve it for the present state if that is due."""
         try:
             wanted = to_announcement(message, self._parts.stacks, self._parts.team)
         except InputError as error:
@@ -175,7 +175,7 @@ def _head(chi: Chi, state: RobotState, wanted: Announcement) -> None:
 
 
 def main() -> int:
-    """Run robot B's solver; returns the exit code."""
+    """Run the solver's solver; returns the exit code."""
     return run_node(StackSolverNode)
 
 

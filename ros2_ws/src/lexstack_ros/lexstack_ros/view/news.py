@@ -33,7 +33,7 @@ def news(
         team: the robots.
         state: of the plant.
         statuses: of the transitions at one tick; they are about different robots.
-        chi: the newest of each controller that has sent one, robot A first: the command.
+        chi: the newest of each controller that has sent one, the controller first: the command.
         references: in effect.
     """
     time = to_seconds(state.header.stamp)

@@ -104,7 +104,7 @@ class ViewNode(Node):
         self._hub.publish(news(self._team, state, self._transitions(), chi, self._in_effect()))
 
     def _in_effect(self) -> References:
-        """Return the references in effect; before robot A decides any, where the robots start."""
+        """Return the references in effect; before the first decision, where the robots start."""
         timeline = self._references.timeline
         if timeline.newest is None:
             return measured(self._team, home_of(self._team, self._resolved))

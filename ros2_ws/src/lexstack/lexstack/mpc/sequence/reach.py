@@ -155,8 +155,8 @@ class Reach:
             gradient = jacobian.T @ error
             moves = ~((q <= self._lower) & (gradient > 0.0) | (q >= self._upper) & (gradient < 0.0))
             moves[_BASE] &= free
-            part = jacobian[:, moves]
-            normal = part.T @ part + damping * np.eye(part.shape[1])
+            moving = jacobian[:, moves]
+            normal = moving.T @ moving + damping * np.eye(moving.shape[1])
             step = np.zeros_like(q)
             step[moves] = -np.linalg.solve(normal, gradient[moves])
             trial = np.clip(q + step, self._lower, self._upper)

@@ -76,28 +76,29 @@ class SequenceRunner:
             team: the robots.
             robot: its place.
             config: parameters of the MPC.
-            blend: from a sequence's begin, how long robot A takes until it follows exactly [s].
+            blend: from a sequence's begin, how long the controller takes until it follows exactly
+                [s].
         """
         self.robot = robot
         self.sequence: Sequence | None = None
         self._team = team
         self._model = team.robots[robot]
-        self._part = team.slices[robot]
+        self._columns = team.slices[robot]
         self._others = [i for i in range(len(team.robots)) if i != robot]
         self._optimiser = Htmpc(self._model, config)
         self._plan: Plan | None = None
         self._blend = blend
         self._follows = 0.0  # s, the time from which on robot A follows exactly
 
-    def present(self, state: RobotState) -> RobotPose:
+    def pose(self, state: RobotState) -> RobotPose:
         """Return where the robot is."""
-        return RobotPose.of(self._model, state.stamp, state.q[self._part])
+        return RobotPose.of(self._model, state.stamp, state.q[self._columns])
 
     def begin(
         self, tasks: tuple[SequenceTask, ...], architecture: Architecture, state: RobotState
     ) -> None:
         """Begin a sequence at a state, in place of another one; raises InputError."""
-        self.sequence = Sequence.begin(tasks, architecture, self.present(state))
+        self.sequence = Sequence.begin(tasks, architecture, self.pose(state))
         self._follows = state.stamp + self._blend
 
     def task(self, name: str) -> SequenceTask:
@@ -121,17 +122,17 @@ class SequenceRunner:
 
     def change(self, change: Change, state: RobotState) -> None:
         """Change the sequence at a state; raises InputError, and then nothing has changed."""
-        sequence, present = self.sequence, self.present(state)
+        sequence, pose = self.sequence, self.pose(state)
         if sequence is None:
             raise InputError("sequence: none is under way")
         if change.kind == "release":
             self.sequence = sequence.release(change.name)
         elif change.kind == "cancel":
-            self.sequence = sequence.cancel(change.name, present)
+            self.sequence = sequence.cancel(change.name, pose)
         elif change.kind == "retarget":
-            self.sequence = sequence.retarget(change.name, change.points, present)
+            self.sequence = sequence.retarget(change.name, change.points, pose)
         elif change.task is not None:
-            self.sequence = sequence.insert(_place(sequence, change.before), change.task, present)
+            self.sequence = sequence.insert(_place(sequence, change.before), change.task, pose)
 
     def end(self) -> None:
         """Forget sequence and plan."""
@@ -141,38 +142,39 @@ class SequenceRunner:
     def step(self, state: RobotState) -> Progress:
         """Return plan and progress at a state.
 
-        Poses are the measured ones. The velocity is the command in force, which robot A changes
-        within its limits from tick to tick: the plan goes on from there. While robot A still blends
-        into the plan, its command is off it by a gap that fades; a plan that began there would add
-        the gap once more each time. So until then the plan before goes on.
+        Poses are the measured ones. The velocity is the command in force, which the controller
+        changes within its limits from tick to tick: the plan goes on from there. While the
+        controller still blends into the plan, its command is off it by a gap that fades; a plan
+        that began there would add the gap once more each time. So until then the plan before goes
+        on.
 
         Raises:
             InputError: no sequence is under way.
         """
         if self.sequence is None:
             raise InputError("sequence: none is under way")
-        present = self.present(state)
-        sequence = self.sequence = self.sequence.advanced(present)
+        pose = self.pose(state)
+        sequence = self.sequence = self.sequence.advanced(pose)
         times = state.stamp + self._optimiser.horizon.times[1:]
-        start = Start(state.stamp, state.q[self._part], self._velocity(state))
-        around = self._surroundings(state, times)
+        start = Start(state.stamp, state.q[self._columns], self._velocity(state))
+        around = self._collision_scene(state, times)
         plan = self._optimiser.solve(start, sequence.objectives(times), self._plan, around)
         self._plan = plan if plan.solved else None
         now = np.array([state.stamp])
         tracking = tuple(
-            present.errors(task.kind, trajectory.at(now)[0])[0]
+            pose.errors(task.kind, trajectory.at(now)[0])[0]
             for task, trajectory in zip(sequence.window, sequence.trajectories, strict=True)
         )
-        return Progress(sequence, plan, sequence.errors(present), tracking)
+        return Progress(sequence, plan, sequence.errors(pose), tracking)
 
     def _velocity(self, state: RobotState) -> Vector:
         """Return the velocity that a plan begins with, shape (n of the robot,)."""
         before = self._plan
         if before is None or not state.stamp < min(self._follows - _ROUNDING, before.end):
-            return state.command[self._part]
+            return state.command[self._columns]
         return before.sample(state.stamp)[1]
 
-    def _surroundings(self, state: RobotState, times: Vector) -> CollisionScene | None:
+    def _collision_scene(self, state: RobotState, times: Vector) -> CollisionScene | None:
         """Return obstacles where they will be, and the other robots' spheres where they are."""
         obstacles = self._team.obstacles
         spheres = self._team.spheres(state.q) if self._others else None

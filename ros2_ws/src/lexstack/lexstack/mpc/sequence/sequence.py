@@ -55,11 +55,11 @@ class Sequence:
 
     @classmethod
     def begin(
-        cls, tasks: tuple[SequenceTask, ...], architecture: Architecture, present: RobotPose
+        cls, tasks: tuple[SequenceTask, ...], architecture: Architecture, pose: RobotPose
     ) -> Sequence:
         """Return the sequence at its start; raises InputError for no tasks or equal names."""
         check_tasks(tasks)
-        return cls(tasks, architecture).replanned(present)
+        return cls(tasks, architecture).replanned(pose)
 
     @property
     def done(self) -> bool:
@@ -72,17 +72,17 @@ class Sequence:
         first = min(self.first, len(self.tasks) - 1)
         return self.tasks[first : first + self.architecture.levels]
 
-    def errors(self, present: RobotPose) -> tuple[float, float]:
+    def errors(self, pose: RobotPose) -> tuple[float, float]:
         """Return distance [m] and angle [rad] from the goal of the first task in the window."""
         task = self.window[0]
-        return present.errors(task.kind, np.array(task.points[-1]))
+        return pose.errors(task.kind, np.array(task.points[-1]))
 
-    def advanced(self, present: RobotPose) -> Sequence:
+    def advanced(self, pose: RobotPose) -> Sequence:
         """Return the sequence after time has gone on; at most one task gets done at a time."""
         if self.done:
             return self
-        task, stamp = self.window[0], present.stamp
-        distance, angle = self.errors(present)
+        task, stamp = self.window[0], pose.stamp
+        distance, angle = self.errors(pose)
         arrived = stamp >= self.trajectories[0].end - 1e-9
         near = distance < task.tolerance and angle < task.tolerance_angle
         if not (arrived and near):
@@ -91,14 +91,14 @@ class Sequence:
         waits = task.held and task.name not in self.released
         if waits or stamp - since < task.dwell - 1e-9:
             return replace(self, within=since)
-        return replace(self, first=self.first + 1, within=None).replanned(present)
+        return replace(self, first=self.first + 1, within=None).replanned(pose)
 
     def release(self, name: str) -> Sequence:
         """Return the sequence with a held task released; raises InputError for an unknown one."""
         self._place(name)
         return replace(self, released=self.released | {name})
 
-    def retarget(self, name: str, points: tuple[Point, ...], present: RobotPose) -> Sequence:
+    def retarget(self, name: str, points: tuple[Point, ...], pose: RobotPose) -> Sequence:
         """Return the sequence with a task's points moved; planned anew if it is in the window."""
         place = self._place(name)
         if place < self.first:
@@ -110,11 +110,11 @@ class Sequence:
         if inside >= len(self.trajectories):
             return result
         trajectories = list(self.trajectories)
-        trajectories[inside] = moved.planned(present)
+        trajectories[inside] = moved.planned(pose)
         within = None if inside == 0 else self.within
         return replace(result, trajectories=tuple(trajectories), within=within)
 
-    def insert(self, place: int, task: SequenceTask, present: RobotPose) -> Sequence:
+    def insert(self, place: int, task: SequenceTask, pose: RobotPose) -> Sequence:
         """Return the sequence with one more task before the one at ``place`` (not yet done)."""
         if not self.first <= place <= len(self.tasks):
             raise InputError(
@@ -123,9 +123,9 @@ class Sequence:
             )
         tasks = (*self.tasks[:place], task, *self.tasks[place:])
         check_tasks(tasks)
-        return _changed(replace(self, tasks=tasks), place, present)
+        return _changed(replace(self, tasks=tasks), place, pose)
 
-    def cancel(self, name: str, present: RobotPose) -> Sequence:
+    def cancel(self, name: str, pose: RobotPose) -> Sequence:
         """Return the sequence without a task that is not done.
 
         Raises:
@@ -137,7 +137,7 @@ class Sequence:
         tasks = (*self.tasks[:place], *self.tasks[place + 1 :])
         if not tasks:
             raise InputError(f"sequence: task {name!r} is the only one")
-        return _changed(replace(self, tasks=tasks), place, present)
+        return _changed(replace(self, tasks=tasks), place, pose)
 
     def objectives(self, times: Vector) -> tuple[Objective, ...]:
         """Return the levels of the MPC for the states 1 to N at these times [s], shape (N,)."""
@@ -152,9 +152,9 @@ class Sequence:
             return "all"
         return "base" if task.kind.startswith("base") else "arm"
 
-    def replanned(self, present: RobotPose) -> Sequence:
+    def replanned(self, pose: RobotPose) -> Sequence:
         """Return the sequence with all trajectories of its window from the present pose."""
-        return replace(self, trajectories=tuple(task.planned(present) for task in self.window))
+        return replace(self, trajectories=tuple(task.planned(pose) for task in self.window))
 
     def _place(self, name: str) -> int:
         """Return a task's place; raises InputError for an unknown name."""
@@ -165,12 +165,12 @@ class Sequence:
         raise InputError(f"sequence: unknown task {name!r}; known: {known}")
 
 
-def _changed(sequence: Sequence, place: int, present: RobotPose) -> Sequence:
+def _changed(sequence: Sequence, place: int, pose: RobotPose) -> Sequence:
     """Return a sequence after a change at a place, planned anew if its window shows it."""
     if place >= sequence.first + sequence.architecture.levels:
         return sequence
     within = None if place == sequence.first else sequence.within
-    return replace(sequence, within=within).replanned(present)
+    return replace(sequence, within=within).replanned(pose)
 
 
 def check_tasks(tasks: tuple[SequenceTask, ...]) -> None:

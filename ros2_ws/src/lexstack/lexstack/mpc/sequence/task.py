@@ -60,13 +60,13 @@ class SequenceTask:
         if not 0.0 <= self.dwell < np.inf:
             raise InputError(f"{where}: dwell: must be finite and >= 0, got {self.dwell}")
 
-    def planned(self, present: RobotPose) -> Trajectory:
+    def planned(self, pose: RobotPose) -> Trajectory:
         """Return its trajectory from the present pose."""
         if self.speed is None:
             return hold(np.array(self.points[-1]))
-        through = np.array([present.value(self.kind), *self.points])
+        through = np.array([pose.value(self.kind), *self.points])
         path = base_path if self.kind.startswith("base") else ee_path
-        return path(present.stamp, through, self.speed, np.inf if self.turn is None else self.turn)
+        return path(pose.stamp, through, self.speed, np.inf if self.turn is None else self.turn)
 
 
 def _check_point(kind: Kind, point: Point, where: str) -> None:

@@ -35,7 +35,7 @@ class Channel:
     """Robots with one alpha; every robot is on one channel.
 
     Attributes:
-        part: the robots.
+        group: the robots.
         adopted: the stacks that they adopted last; one, but in a blend that brought them together.
         id: of the last transition, 0 before the first.
         origin: name of the stack that they came from.
@@ -45,7 +45,7 @@ class Channel:
         aborted: why the last transition was given up, to be reported once.
     """
 
-    part: RobotGroup
+    group: RobotGroup
     adopted: tuple[Stack, ...]
     origin: str
     id: int = 0
@@ -57,24 +57,26 @@ class Channel:
     @property
     def target(self) -> Stack:
         """The stack in effect; during a blend the one that they go to."""
-        return joined(self.adopted, self.part.team) if self.blend is None else self.blend.way.target
+        return (
+            joined(self.adopted, self.group.team) if self.blend is None else self.blend.route.target
+        )
 
     @property
     def method(self) -> str:
         """The method of the transition under way, '' without one."""
         return "" if self.blend is None else self.blend.request.method
 
-    def of(self, part: RobotGroup) -> Channel:
+    def of(self, group: RobotGroup) -> Channel:
         """Return the channel of some of its robots; whatever is under way goes on."""
-        if part.robots == self.part.robots:
+        if group.robots == self.group.robots:
             return self
         mine = [
-            stack.of(tuple(robot for robot in stack.robots or () if robot in part.robots))
+            stack.of(tuple(robot for robot in stack.robots or () if robot in group.robots))
             for stack in self.adopted
         ]
         adopted = tuple(stack for stack in mine if stack.robots)
-        blend = None if self.blend is None else self.blend.of(part)
-        return replace(self, part=part, adopted=adopted, blend=blend)
+        blend = None if self.blend is None else self.blend.of(group)
+        return replace(self, group=group, adopted=adopted, blend=blend)
 
     # ---- the tick
 
@@ -91,7 +93,7 @@ class Channel:
         self, blend: Blend, context: TickContext, sources: Sources, *, adopts: bool
     ) -> tuple[Channel, Plan]:
         """Return what is solved in a blend; latch again where the source or level 1 changed."""
-        target, tick = blend.way.target, context.tick
+        target, tick = blend.route.target, context.tick
         adopts = adopts and not target.planned
         level = target.first(context.kinematics, context.references)
         choice, blend = _followed(blend, level, context, sources)
@@ -103,7 +105,7 @@ class Channel:
         if tally is not blend.tally:
             blend = replace(blend, tally=tally)
         blend = blend.advanced(chi, tick, context, unsteady=unsteady)
-        ends = adopts and choice.source is Source.ROBOT_B and blend.progress.alpha >= 1.0
+        ends = adopts and choice.source is Source.SOLVER and blend.progress.alpha >= 1.0
         if ends and blend.request.method in BRIDGES:
             blend, why = at_end(blend, sources.own(target, context), tick, context)
             reason = why or reason
@@ -114,7 +116,7 @@ class Channel:
             why = _held_back(blend, context)
             reason = "; ".join(word for word in (reason, why) if word)
         plan = Plan(blend.problem(level, context), blend.source_chi, blend.progress.alpha)
-        used, kept = context.references, (self.part, self.adopted, self.origin, self.id)
+        used, kept = context.references, (self.group, self.adopted, self.origin, self.id)
         return Channel(*kept, used, blend, reason, self.aborted), plan
 
     def _latched_again(
@@ -140,16 +142,16 @@ class Channel:
             if blend.start == context.tick or not tally.may_latch(context):
                 return blend
             jumps = unsteady and blend.jumps(chi, context)
-            if not jumps and not level_jumps(blend.way, level, context):
+            if not jumps and not level_jumps(blend.route, level, context):
                 return blend
             tally = tally.with_target(context)
             tally = tally.seen() if jumps else tally
-        past = past_of((self,), level, blend.request.duration, context)
+        latch_state = latch_state_of((self,), level, blend.request.duration, context)
         if choice.source is Source.HTMPC and self._begins_here(chi, context):
-            past = LatchState(chi, past.level_goes_on, None)
-        latched = Blend.latched(blend.way, (choice.source, chi), level, past, context)
+            latch_state = LatchState(chi, latch_state.level_goes_on, None)
+        latched = Blend.latched(blend.route, (choice.source, chi), level, latch_state, context)
         # A source that stays is assumed to move as before, until its step is known; not for ever.
-        drift = blend.drift if choice.source is blend.source and not past.recent else None
+        drift = blend.drift if choice.source is blend.source and not latch_state.recent else None
         return replace(latched, drift=drift, alone=blend.alone, tally=tally)
 
     def _begins_here(self, chi: Vector, context: TickContext) -> bool:
@@ -159,18 +161,20 @@ class Channel:
         begins at the command.
         """
         gap = np.abs(chi - context.kinematics.state.command) <= _NEAR * context.reach
-        return bool(gap[self.part.columns].all())
+        return bool(gap[self.group.columns].all())
 
     def finished(self, plan: Plan, sources: Sources, *, adopts: bool) -> Channel:
         """Return the channel after the tick: at the end it has adopted the stack."""
         blend = self.blend
-        if blend is None or plan.alpha < 1.0 or not adopts or blend.way.target.planned:
+        if blend is None or plan.alpha < 1.0 or not adopts or blend.route.target.planned:
             return replace(self, aborted="") if self.aborted else self
-        target, aborted = blend.way.target, ""
+        target, aborted = blend.route.target, ""
         if blend.source is Source.MINIMUM_VELOCITY:
             target, aborted = sources.at_rest(target), f"{self.reason}; at rest"
-        told = blend.alone and not blend.tally.losses  # of the blend to the own optimum, now over
-        reason = "" if told else self.reason
+        reported = (
+            blend.alone and not blend.tally.losses
+        )  # of the blend to the own optimum, now over
+        reason = "" if reported else self.reason
         return replace(self, adopted=(target,), blend=None, aborted=aborted, reason=reason)
 
 
@@ -181,35 +185,35 @@ def _followed(
     if blend.alone:
         return Choice(blend.source), blend
     # The solver reports the residual of the whole stack: that of a part cannot be compared.
-    known = level if blend.way.whole else ()
-    asked = asked_of(blend.way.target)
-    choice = sources.present(blend.source, blend.request.id, context, known, asked)
+    known = level if blend.route.whole else ()
+    expected = source_of(blend.route.target)
+    choice = sources.present(blend.source, blend.request.id, context, known, expected)
     done = blend.progress.alpha >= 1.0
     tally = blend.tally.lost(blend.source, choice, done=done)
     if tally is blend.tally:
         return choice, blend
     alone = tally.losses >= LOSSES
     if alone:
-        count = f"; it is loss {tally.losses} of this blend, so B is not followed again"
+        count = f"; it is loss {tally.losses} of this blend, so the solver is not followed again"
         choice = replace(choice, why=choice.why + count)
     return choice, replace(blend, tally=tally, alone=alone)
 
 
 def _held_back(blend: Blend, context: TickContext) -> str:
     """Return which level of the target asks for more than the velocity limits allow, or ''."""
-    target, part = blend.way.target, blend.way.part
+    target, group = blend.route.target, blend.route.group
     velocity = context.limits.velocity
-    if target.planned or not at_velocity_limit(part, blend.source_chi, velocity):
+    if target.planned or not at_velocity_limit(group, blend.source_chi, velocity):
         return ""
-    return held_back(part, target.linearise(context.kinematics, context.references), velocity)
+    return held_back(group, target.linearise(context.kinematics, context.references), velocity)
 
 
-def asked_of(stack: Stack) -> Source:
+def source_of(stack: Stack) -> Source:
     """Return who is to solve a stack for the controller."""
-    return Source.HTMPC if stack.planned else Source.ROBOT_B
+    return Source.HTMPC if stack.planned else Source.SOLVER
 
 
-def past_of(
+def latch_state_of(
     channels: Sequence[Channel],
     level: tuple[LinearTask, ...],
     duration: float,
@@ -236,10 +240,10 @@ def past_of(
     same = goes_on(level, old, context.reach)
     references = context.references if same else context.references_before
     start = kinematics.state.command.copy()
-    carry: GapMotion | None = None
+    gap_motion: GapMotion | None = None
     recent = 0
     for channel in channels:
-        columns = channel.part.columns
+        columns = channel.group.columns
         if channel.blend is None:
             levels = channel.target.linearise(kinematics, references)
             chi = context.solve(HqpProblem(levels, context.bounds))
@@ -251,6 +255,6 @@ def past_of(
         step, left = left_by(channel.blend, context.tick, duration, context)
         start[columns] += step[columns]
         if left is not None:
-            carry = carry or GapMotion.none(start.size, duration)
-            carry = carry.with_part(columns, left)
-    return LatchState(start, same, carry, recent)
+            gap_motion = gap_motion or GapMotion.none(start.size, duration)
+            gap_motion = gap_motion.with_columns(columns, left)
+    return LatchState(start, same, gap_motion, recent)

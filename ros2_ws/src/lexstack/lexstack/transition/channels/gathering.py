@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from lexstack.tasks.stack import Stack, joined
 from lexstack.transition.blend import Blend
-from lexstack.transition.channels.channel import Channel, past_of
-from lexstack.transition.channels.lineup import PartOf, references_before, without
+from lexstack.transition.channels.channel import Channel, latch_state_of
+from lexstack.transition.channels.lineup import GroupOf, references_before, without
 from lexstack.transition.relatch import Tally
 from lexstack.transition.requests import SwitchRequest
 from lexstack.transition.robot_group import RobotGroup
@@ -23,7 +23,7 @@ def begin(
     starting: tuple[SwitchRequest, Choice],
     stacks: Mapping[str, Stack],
     sources: Sources,
-    part_of: PartOf,
+    group_of: GroupOf,
     context: TickContext,
 ) -> tuple[Channel, ...]:
     """Return the channels with a request's robots in a new one, in a blend.
@@ -33,23 +33,23 @@ def begin(
         starting: the request, and whom to follow.
         stacks: all that may be asked for, by name.
         sources: of chi.
-        part_of: makes the part of some robots.
+        group_of: makes the group of some robots.
         context: of this tick.
     """
     request, first = starting
-    part = part_of(request.robots)
-    touched = [each for each in channels if part.shares(each.part)]
-    inside = [each.of(part_of(set(each.part.robots) & set(part.robots))) for each in touched]
-    target = stacks[request.stack].of(part.robots)
+    group = group_of(request.robots)
+    concerned = [each for each in channels if group.shares(each.group)]
+    inside = [each.of(group_of(set(each.group.robots) & set(group.robots))) for each in concerned]
+    target = stacks[request.stack].of(group.robots)
     references = context.references
     context = context.between(references_before(inside, references), references)
     whole = target is stacks[request.stack]
     level = target.first(context.kinematics, references) if whole else ()
     choice = sources.checked(first, context, level)
     chi = sources.chi(choice, target, context)
-    channel = _begun(inside, request, (part, target, whole), (choice, chi), context)
-    others = without(channels, part.robots, part_of)
-    return tuple(sorted([*others, channel], key=lambda each: each.part.robots))
+    channel = _begun(inside, request, (group, target, whole), (choice, chi), context)
+    others = without(channels, group.robots, group_of)
+    return tuple(sorted([*others, channel], key=lambda each: each.group.robots))
 
 
 def _begun(
@@ -68,11 +68,11 @@ def _begun(
         source: whom to follow, and its chi of this tick, shape (n,).
         context: of this tick.
     """
-    (part, target, whole), (choice, chi) = goal, source
+    (group, target, whole), (choice, chi) = goal, source
     level = target.first(context.kinematics, context.references)
-    past = past_of(channels, level, request.duration, context)
-    way = Route(request, part, joined([c.target for c in channels], part.team), target, whole)
-    blend = Blend.latched(way, (choice.source, chi), level, past, context)
+    latch_state = latch_state_of(channels, level, request.duration, context)
+    route = Route(request, group, joined([c.target for c in channels], group.team), target, whole)
+    blend = Blend.latched(route, (choice.source, chi), level, latch_state, context)
     blend = replace(blend, tally=Tally().at(context, choice))
     gone = dict.fromkeys(c.blend.request.id for c in channels if c.blend is not None)
     reason = request.reason
@@ -80,7 +80,7 @@ def _begun(
         reason = f"pre-empted transition {', '.join(map(str, gone))}"
     adopted = tuple(stack for channel in channels for stack in channel.adopted)
     return Channel(
-        part,
+        group,
         adopted,
         " + ".join(dict.fromkeys(stack.name for stack in adopted)),
         request.id,
@@ -91,24 +91,24 @@ def _begun(
     )
 
 
-def together(channels: Sequence[Channel], part_of: PartOf) -> tuple[Channel, ...]:
+def together(channels: Sequence[Channel], group_of: GroupOf) -> tuple[Channel, ...]:
     """Return the channels with those made one that serve the same stack alone.
 
     Args:
         channels: in the order of their robots.
-        part_of: makes the part of some robots.
+        group_of: makes the group of some robots.
     """
     idle: dict[tuple[str, int], list[Channel]] = {}
     for channel in channels:
         if channel.blend is None and not channel.aborted:
             idle.setdefault((channel.target.name, id(channel.used)), []).append(channel)
-    groups = [group for group in idle.values() if len(group) > 1]
-    if not groups:
+    shared = [same for same in idle.values() if len(same) > 1]
+    if not shared:
         return tuple(channels)
-    kept = [each for each in channels if not any(each in group for group in groups)]
-    for group in groups:
-        newest = max(group, key=lambda each: each.id)
-        part = part_of(robot for each in group for robot in each.part.robots)
-        stack = joined([each.target for each in group], part.team)
-        kept.append(replace(newest, part=part, adopted=(stack,)))
-    return tuple(sorted(kept, key=lambda each: each.part.robots))
+    kept = [each for each in channels if not any(each in same for same in shared)]
+    for same in shared:
+        newest = max(same, key=lambda each: each.id)
+        group = group_of(robot for each in same for robot in each.group.robots)
+        stack = joined([each.target for each in same], group.team)
+        kept.append(replace(newest, group=group, adopted=(stack,)))
+    return tuple(sorted(kept, key=lambda each: each.group.robots))

@@ -12,37 +12,39 @@ from lexstack.transition.channels.channel import Channel
 from lexstack.transition.requests import SwitchRequest
 from lexstack.transition.robot_group import RobotGroup
 
-PartOf = Callable[[Iterable[int]], RobotGroup]
-"""Makes the part of some robots, by their places."""
+GroupOf = Callable[[Iterable[int]], RobotGroup]
+"""Makes the group of some robots, by their places."""
 
 
-def without(channels: Iterable[Channel], robots: Collection[int], part_of: PartOf) -> list[Channel]:
+def without(
+    channels: Iterable[Channel], robots: Collection[int], group_of: GroupOf
+) -> list[Channel]:
     """Return what remains of channels when some robots leave them; the others go on as they do."""
-    rest = [(each, set(each.part.robots).difference(robots)) for each in channels]
-    return [each.of(part_of(kept)) for each, kept in rest if kept]
+    rest = [(each, set(each.group.robots).difference(robots)) for each in channels]
+    return [each.of(group_of(kept)) for each, kept in rest if kept]
 
 
-def as_asked(
+def as_requested(
     channels: Sequence[Channel],
     requests: Iterable[SwitchRequest],
     stacks: Mapping[str, Stack],
-    part_of: PartOf,
+    group_of: GroupOf,
 ) -> list[Channel]:
     """Return the channels as if requests were done, one after another."""
     found = list(channels)
     for request in requests:
         goal = stacks[request.stack].of(request.robots)
-        channel = Channel(part_of(request.robots), (goal,), "")
-        found = [*without(found, request.robots, part_of), channel]
+        channel = Channel(group_of(request.robots), (goal,), "")
+        found = [*without(found, request.robots, group_of), channel]
     return found
 
 
-def coupling(channels: Iterable[Channel], part: RobotGroup) -> str:
-    """Return which task couples robots of a part with others of their channel, in words, or ''."""
+def coupling(channels: Iterable[Channel], group: RobotGroup) -> str:
+    """Return which task couples robots of a group with others of their channel, in words, or ''."""
     for channel in channels:
-        task = part.shares(channel.part) and channel.target.coupling(part.robots)
+        task = group.shares(channel.group) and channel.target.coupling(group.robots)
         if task:
-            others = [name for name in channel.part.names if name not in part.names]
+            others = [name for name in channel.group.names if name not in group.names]
             return (
                 f"the task {task!r} of {channel.target.name!r} couples its robots with "
                 f"{', '.join(others)}"
@@ -83,7 +85,7 @@ def references_before(channels: Sequence[Channel], references: References) -> Re
     ee, base, revisions = list(references.ee), list(references.base), []
     for channel in channels:
         used = channel.used or references
-        for robot in channel.part.robots:
+        for robot in channel.group.robots:
             ee[robot], base[robot] = used.ee[robot], used.base[robot]
         revisions.append(used.revision)
     return References(tuple(ee), tuple(base), max(revisions))

@@ -10,4 +10,4 @@ from lexstack.transition.methods.view import View, below
 def bridge(view: View, latched: Bridge, alpha: float) -> HqpProblem:
     """Return level 1 and below it the source's chi, both with their latched gap fading out."""
     first, target = bridged(latched, view.first, view.source, alpha)
-    return HqpProblem(below(first, view.part.follow(target)), view.context.bounds)
+    return HqpProblem(below(first, view.group.follow(target)), view.context.bounds)

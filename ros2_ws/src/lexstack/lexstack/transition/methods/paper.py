@@ -19,7 +19,7 @@ def t37(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     box = view.context.free_bounds()
     lower = alpha * box.lower.clip(max=0.0) + box.lower.clip(min=0.0)
     upper = alpha * box.upper.clip(min=0.0) + box.upper.clip(max=0.0)
-    levels = below(view.first, view.part.follow(view.source))
+    levels = below(view.first, view.group.follow(view.source))
     return HqpProblem(levels, Bounds(lower, upper))
 
 
@@ -29,7 +29,7 @@ def t34(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     The new box is that of T(35), without acceleration limits, as in the solver. Where the limits
     do not change, neither does the box: the method then has no effect.
     """
-    levels = below(view.first, view.part.follow(view.source))
+    levels = below(view.first, view.group.follow(view.source))
     return HqpProblem(
         levels, _between(view.context.bounds_before, view.context.free_bounds(), alpha)
     )
@@ -44,7 +44,7 @@ def t34_limited(view: View, _latched: Bridge, alpha: float) -> HqpProblem:
     box, own = _between(view.context.bounds_before, view.context.bounds, alpha), view.context.bounds
     lower = np.clip(box.lower, own.lower, own.upper)
     upper = np.clip(box.upper, own.lower, own.upper)
-    levels = below(view.first, view.part.follow(view.source))
+    levels = below(view.first, view.group.follow(view.source))
     return HqpProblem(levels, Bounds(lower, upper))
 
 

@@ -20,7 +20,7 @@ class View:
     """One tick of a blend. What only some methods need is a function, called by those alone.
 
     Attributes:
-        part: the robots that switch; all levels below are theirs.
+        group: the robots that switch; all levels below are theirs.
         first: level 1 of the new stack.
         source: chi_S, the source's optimum of the new stack, shape (n,).
         new: all levels of the new stack.
@@ -28,7 +28,7 @@ class View:
         context: of this tick.
     """
 
-    part: RobotGroup
+    group: RobotGroup
     first: tuple[LinearTask, ...]
     source: Vector
     new: Callable[[], Levels]

@@ -32,23 +32,23 @@ class Announcer:
 
     def __init__(self) -> None:
         """Start with nothing announced."""
-        self._told: dict[int, Wanted] = {}
+        self._announced: dict[int, Wanted] = {}
 
     def changes(self, wanted: Mapping[int, Wanted]) -> list[Announcement]:
         """Return what is new, given all that is wanted now by transition id."""
-        if not wanted and not self._told:
+        if not wanted and not self._announced:
             return []
         news = []
         for id_, (request, end) in wanted.items():
-            told = self._told.get(id_)
-            if told is None or (told[1] is not None and end is None):
+            announced = self._announced.get(id_)
+            if announced is None or (announced[1] is not None and end is None):
                 news.append(_word(request, request.at_tick, active=True))
-            if end is not None and (told is None or told[1] != end):
+            if end is not None and (announced is None or announced[1] != end):
                 news.append(_word(request, end, active=False))
-        for id_, (request, end) in self._told.items():
+        for id_, (request, end) in self._announced.items():
             if id_ not in wanted and end is None:
                 news.append(_word(request, 0, active=False))
-        self._told = dict(wanted)
+        self._announced = dict(wanted)
         return news
 
 

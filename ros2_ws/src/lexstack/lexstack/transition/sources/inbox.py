@@ -67,7 +67,7 @@ class Sources:
         self._patience = 0 if lockstep else options.patience
         self.stale = 0 if lockstep else options.stale
         """The most ticks by which a source's chi may be late."""
-        self._witness = ResidualCheck(self.stale, 1 if lockstep else _EVIDENCE)
+        self._residual_check = ResidualCheck(self.stale, 1 if lockstep else _EVIDENCE)
 
     def hear(self, sample: SourceSample) -> None:
         """Take a chi of a source; the newest by its tick counts, whenever it arrives."""
@@ -76,7 +76,7 @@ class Sources:
     def keep(self, transition_ids: Collection[int]) -> None:
         """Forget all other transitions."""
         self._inbox.keep(transition_ids)
-        self._witness.keep(transition_ids)
+        self._residual_check.keep(transition_ids)
 
     def fresh(
         self, transition_id: int, tick: int, revision: int | None = None
@@ -107,26 +107,26 @@ class Sources:
     def first(
         self,
         transition_id: int,
-        asked_at: int,
+        requested_at: int,
         tick: int,
         revision: int | None = None,
-        asked: Source = Source.ROBOT_B,
+        expected: Source = Source.SOLVER,
     ) -> Choice | None:
         """Return whom to follow into a new stack, or None while the wait goes on.
 
         Args:
             transition_id: of the request.
-            asked_at: the tick for which it was asked.
+            requested_at: the tick for which it was asked.
             tick: the present one.
             revision: of the references in effect; None: not known.
-            asked: who is to solve the stack.
+            expected: who is to solve the stack.
         """
         sample = self.fresh(transition_id, tick, revision)
         if sample is not None:
-            return Choice(asked, "", sample)
-        if tick - asked_at >= self._patience:
-            instead = _instead(self._lost, asked)
-            return Choice(self._lost, f"{asked.called} sent no chi by tick {tick}: {instead}")
+            return Choice(expected, "", sample)
+        if tick - requested_at >= self._patience:
+            instead = _instead(self._lost, expected)
+            return Choice(self._lost, f"{expected.called} sent no chi by tick {tick}: {instead}")
         return None
 
     def checked(self, first: Choice, context: TickContext, level: Rows) -> Choice:
@@ -137,7 +137,7 @@ class Sources:
         if first.sample is None:
             return first
         revision = context.references.revision
-        miss = self._witness.miss(first.sample, context.tick, level, revision=revision)
+        miss = self._residual_check.miss(first.sample, context.tick, level, revision=revision)
         return Choice(self._lost, _wrong(context.tick, miss, self._lost)) if miss else first
 
     def present(
@@ -146,20 +146,22 @@ class Sources:
         transition_id: int,
         context: TickContext,
         level: Rows,
-        asked: Source = Source.ROBOT_B,
+        expected: Source = Source.SOLVER,
     ) -> Choice:
         """Return whom to follow now.
 
-        ``level`` is level 1 of the new stack at this tick, ``asked`` who is to solve it.
+        ``level`` is level 1 of the new stack at this tick, ``expected`` who is to solve it.
         """
-        tick, changed = context.tick, source is not asked
+        tick, changed = context.tick, source is not expected
         revision = context.references.revision
         sample = self.fresh(transition_id, tick, revision)
         if sample is not None:
-            miss = self._witness.miss(sample, tick, level, anew=context.anew, revision=revision)
+            miss = self._residual_check.miss(
+                sample, tick, level, anew=context.anew, revision=revision
+            )
             if not miss:
-                back = f"{asked.called} is back at tick {tick}" if changed else ""
-                return Choice(asked, back, sample)
+                back = f"{expected.called} is back at tick {tick}" if changed else ""
+                return Choice(expected, back, sample)
             lost = Choice(self._lost, _wrong(tick, miss, self._lost))
             return Choice(source) if changed else lost
         if changed:
@@ -168,8 +170,8 @@ class Sources:
         last = "nothing" if heard is None else f"tick {heard.tick}"
         if heard is not None and revision and heard.revision not in (None, revision):
             last += f" with references {heard.revision} in place of {revision}"
-        instead = _instead(self._lost, asked)
-        lost_at = f"{asked.called} lost at tick {tick}, last heard {last}: {instead}"
+        instead = _instead(self._lost, expected)
+        lost_at = f"{expected.called} lost at tick {tick}, last heard {last}: {instead}"
         return Choice(self._lost, lost_at)
 
     def chi(self, choice: Choice, stack: Stack, context: TickContext) -> Vector:
@@ -196,13 +198,13 @@ class Sources:
 
 def _wrong(tick: int, miss: float, instead: Source) -> str:
     """Return the reason to report for a chi that is not of the tick that it names."""
-    return f"robot B's chi at tick {tick} misses level 1 by {miss:.2g}: {_instead(instead)}"
+    return f"the solver's chi at tick {tick} misses level 1 by {miss:.2g}: {_instead(instead)}"
 
 
-def _instead(source: Source, asked: Source = Source.ROBOT_B) -> str:
+def _instead(source: Source, expected: Source = Source.SOLVER) -> str:
     """Return what is followed in place of the source that was asked, in words."""
-    if asked is Source.HTMPC:
+    if expected is Source.HTMPC:
         return "the robots come to rest"
     if source is Source.LOCAL:
-        return "robot A solves the new stack itself"
-    return "robot A goes to minimum velocity"
+        return "the controller solves the new stack itself"
+    return "the controller goes to minimum velocity"

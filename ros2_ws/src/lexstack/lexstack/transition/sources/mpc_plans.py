@@ -44,7 +44,7 @@ class HeardPlan:
         return np.asarray(before + share * (after - before))
 
 
-class PlanBook:
+class MpcPlans:
     """The newest plan of every robot."""
 
     def __init__(self, team: Team, options: TransitionOptions) -> None:

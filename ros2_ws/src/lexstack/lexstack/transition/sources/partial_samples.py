@@ -19,7 +19,7 @@ class PartialSampleMerger:
         """Join chi of this team."""
         self._team = team
         # By transition, all of one tick and one revision of the references.
-        self._parts: dict[int, list[SourceSample]] = {}
+        self._partial: dict[int, list[SourceSample]] = {}
         self._newest: dict[int, tuple[int, int]] = {}  # tick and revision, by transition
 
     def join(self, sample: SourceSample, needed: Collection[int]) -> SourceSample | None:
@@ -35,39 +35,41 @@ class PartialSampleMerger:
         if age < self._newest.get(sample.transition_id, age):
             return None  # a part of the past
         self._newest[sample.transition_id] = age
-        before = self._parts.get(sample.transition_id, [])
-        parts = [
-            part
-            for part in before
-            if _age(part) == age and not set(part.robots or ()) & set(sample.robots)
+        before = self._partial.get(sample.transition_id, [])
+        samples = [
+            other
+            for other in before
+            if _age(other) == age and not set(other.robots or ()) & set(sample.robots)
         ]
-        parts.append(sample)
-        self._parts[sample.transition_id] = parts
-        if not set(needed) <= {robot for part in parts for robot in part.robots or ()}:
+        samples.append(sample)
+        self._partial[sample.transition_id] = samples
+        if not set(needed) <= {robot for other in samples for robot in other.robots or ()}:
             return None
-        del self._parts[sample.transition_id]
-        return self._joined(parts)
+        del self._partial[sample.transition_id]
+        return self._joined(samples)
 
     def keep(self, transition_ids: Collection[int]) -> None:
         """Forget all other transitions."""
-        self._parts = {id_: parts for id_, parts in self._parts.items() if id_ in transition_ids}
+        self._partial = {
+            id_: samples for id_, samples in self._partial.items() if id_ in transition_ids
+        }
         self._newest = {id_: tick for id_, tick in self._newest.items() if id_ in transition_ids}
 
-    def _joined(self, parts: list[SourceSample]) -> SourceSample:
+    def _joined(self, samples: list[SourceSample]) -> SourceSample:
         """Return parts side by side: residuals as one vector, solved where all are."""
         chi = np.zeros(self._team.n)
-        for part in parts:
-            columns = self._team.columns(part.robots or ())
-            chi[columns] = part.chi[columns]
+        for other in samples:
+            columns = self._team.columns(other.robots or ())
+            chi[columns] = other.chi[columns]
         chi.setflags(write=False)
-        slacks = [part.slack for part in parts]
+        slacks = [other.slack for other in samples]
         slack = None
         if None not in slacks:
             slack = math.hypot(*(value for value in slacks if value is not None))
-        solved = all(part.solved for part in parts)
-        return replace(parts[0], chi=chi, solved=solved, slack=slack, robots=None)
+        solved = all(other.solved for other in samples)
+        return replace(samples[0], chi=chi, solved=solved, slack=slack, robots=None)
 
 
-def _age(part: SourceSample) -> tuple[int, int]:
+def _age(other: SourceSample) -> tuple[int, int]:
     """Return the tick and the references' revision of a part; parts that differ do not fit."""
-    return part.tick, -1 if part.revision is None else part.revision
+    return other.tick, -1 if other.revision is None else other.revision

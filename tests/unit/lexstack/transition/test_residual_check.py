@@ -46,12 +46,14 @@ def test_nothing_to_compare_with_is_no_evidence():
     witness = ResidualCheck(0, 1)
     assert witness.miss(sample(7, slack=None), 7, LEVEL) == 0.0
     assert witness.miss(sample(7, slack=1.0), 7, ()) == 0.0
-    assert witness.miss(sample(6, slack=1.0), 7, LEVEL) == 0.0, "of a tick that A did not see"
+    assert witness.miss(sample(6, slack=1.0), 7, LEVEL) == 0.0, (
+        "of a tick that the controller did not see"
+    )
 
 
 def test_so_many_in_a_row_must_miss():
     found = judged(ResidualCheck(5, 4), range(12), lag=2, right=(3,))
-    # Judged from A's first tick on, chi of tick 3 was right, and those of 4 to 7 miss.
+    # Judged from the controller's first tick on, chi of tick 3 was right, and those of 4 to 7 miss.
     assert np.flatnonzero(found).tolist() == [9, 10, 11]
     assert found[9] == pytest.approx(4.0)
 
@@ -105,7 +107,7 @@ def test_a_frozen_b_is_noticed_soon(late):
     told = [command.transition for command in run.record.commands]
     blamed = next(tick for tick, state in enumerate(told) if state.source is Source.LOCAL)
     assert 30 + late + 9 <= blamed <= 30 + late + 12
-    assert f"robot B's chi at tick {blamed} misses level 1 by " in told[blamed].reason
+    assert f"the solver's chi at tick {blamed} misses level 1 by " in told[blamed].reason
     assert told[-1].to_stack == "reach_base"
 
 
@@ -114,7 +116,7 @@ def test_a_late_b_is_believed(late):
     run = realtime(Delayed(late))
     run.run(80)
     sources = {state_of(run, "robot_a", tick).source for tick in range(2 + late + 1, 80)}
-    assert sources == {Source.ROBOT_B}
+    assert sources == {Source.SOLVER}
     assert not any(state_of(run, "robot_a", tick).reason for tick in range(80))
 
 
@@ -127,7 +129,7 @@ def test_targets_that_reach_the_two_robots_at_different_ticks_are_no_evidence():
     rng = np.random.default_rng(3)
     coming = []
     for tick in range(200):
-        # A stream for a while, then now and then one; B hears each some ticks after A.
+        # A stream for a while, then now and then one; the solver hears each some ticks later.
         if tick < 60 or tick % 25 == 0:
             pose = replace(tools[0], position=tools[0].position + rng.uniform(-0.01, 0.01, 3))
             target = Target(0.01 * tick, 0, ee=pose)
@@ -137,7 +139,7 @@ def test_targets_that_reach_the_two_robots_at_different_ticks_are_no_evidence():
             run.solver_references.add(target)
             coming.remove((due, target))
         run.step()
-    assert {state_of(run, "robot_a", tick).source for tick in range(5, 200)} == {Source.ROBOT_B}
+    assert {state_of(run, "robot_a", tick).source for tick in range(5, 200)} == {Source.SOLVER}
 
 
 def test_a_b_that_thaws_is_followed_again():
@@ -146,5 +148,5 @@ def test_a_b_that_thaws_is_followed_again():
     run.run(100)
     told = [state_of(run, "robot_a", tick) for tick in range(100)]
     assert told[50].source is Source.LOCAL
-    assert told[99].source is Source.ROBOT_B
-    assert any("robot B is back" in state.reason for state in told)
+    assert told[99].source is Source.SOLVER
+    assert any("the solver is back" in state.reason for state in told)

@@ -88,12 +88,12 @@ def test_in_a_given_time_the_limit_moves_from_where_the_joint_can_rest():
     new = limits(upper=0.0)
     blend = LimitBlend.begin(limits(), new, motion(0.45, 0.2), 0, duration=1.0)
     assert blend.end == 100
-    walls = np.array([blend.at(tick).position_upper.item() for tick in range(101)])
+    ends = np.array([blend.at(tick).position_upper.item() for tick in range(101)])
     rest = 0.45 + 0.2**2 / 20 + 0.2 * DT
     s = np.arange(1, 101) / 100
-    np.testing.assert_allclose(walls[:100], rest * (1 - 10 * s**3 + 15 * s**4 - 6 * s**5))
+    np.testing.assert_allclose(ends[:100], rest * (1 - 10 * s**3 + 15 * s**4 - 6 * s**5))
     assert same(blend.at(100), new)
-    assert np.all(np.diff(walls) <= 0.0)
+    assert np.all(np.diff(ends) <= 0.0)
 
 
 def test_each_joint_is_released_at_its_own_tick():

@@ -67,9 +67,9 @@ def test_velocity_limits_alone_are_no_singularity():
     kinematics = team().kinematics(state_at(home()))
     references = run.controller.references.at(0.0)
     levels = run.parts.stacks["reach_base"].linearise(kinematics, references)
-    (part,) = {channel.part for channel in run.controller.transition._channels}
+    (group,) = {channel.group for channel in run.controller.transition._channels}
     velocity = team().limits.velocity
-    assert held_back(part, levels, velocity) == ""
-    assert held_back(part, levels, 1e-3 * velocity) == ""
-    assert at_velocity_limit(part, velocity, velocity)
-    assert not at_velocity_limit(part, 0.99 * velocity, velocity)
+    assert held_back(group, levels, velocity) == ""
+    assert held_back(group, levels, 1e-3 * velocity) == ""
+    assert at_velocity_limit(group, velocity, velocity)
+    assert not at_velocity_limit(group, 0.99 * velocity, velocity)

@@ -369,7 +369,7 @@ def test_a_transition_bridges_no_distance():
 def closed_loop(a_team, q, goals, seconds, robots=(), itself=None):
     """Return the least distance between surfaces in each tick, and level 1's slack.
 
-    ``itself``: whether robot A keeps away from itself; None: that is not looked at.
+    ``itself``: whether the controller keeps away from itself; None: that is not looked at.
     """
     apart = a_team.robots[0].spheres.moved_by.sum(axis=1)
     apart = (apart[:, None] - apart >= 4).ravel()

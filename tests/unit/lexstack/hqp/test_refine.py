@@ -9,8 +9,8 @@ from lexstack.hqp.refine import refine
 
 def level(matrix, target, rows, lower, upper):
     matrix, target = np.array(matrix, dtype=float), np.array(target, dtype=float)
-    walls = tuple(np.array(x, dtype=float) for x in (rows, lower, upper))
-    return level_qp(matrix, np.ones(target.size, dtype=bool), (target, target), walls, norm=1.0)
+    hard = tuple(np.array(x, dtype=float) for x in (rows, lower, upper))
+    return level_qp(matrix, np.ones(target.size, dtype=bool), (target, target), hard, norm=1.0)
 
 
 SIDES = [(a, b, c) for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)]

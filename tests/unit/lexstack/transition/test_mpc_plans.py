@@ -1,10 +1,10 @@
-"""Plans as robot A samples them: only what is fresh and still holds."""
+"""Plans as the controller samples them: only what is fresh and still holds."""
 
 import numpy as np
 import pytest
 
 from lexstack.transition import HeardPlan
-from lexstack.transition.sources.mpc_plans import PlanBook
+from lexstack.transition.sources.mpc_plans import MpcPlans
 from lexstack_config.parts import transition_options
 from support.scenario import changed, team
 
@@ -17,7 +17,7 @@ def plan(tick, robot=0, slope=1.0):
 
 
 def book(mode="lockstep"):
-    return PlanBook(team(), transition_options(changed(mode=mode).scenario))
+    return MpcPlans(team(), transition_options(changed(mode=mode).scenario))
 
 
 def test_the_velocity_is_that_at_the_end_of_the_tick():

@@ -7,7 +7,7 @@ import pytest
 
 from lexstack.errors import InputError
 from lexstack_plant.pacing import Pacer
-from lexstack_plant.tick_cycle import Cycle
+from lexstack_plant.tick_cycle import TickCycle
 from lexstack_sim.plant_state import Status
 from support.plants import make_plant
 
@@ -23,7 +23,7 @@ class Bench:
         plant = make_plant()
         self.chi = np.zeros(plant.team.n)
         pacer = Pacer(mode, plant.period, 2.0)
-        self.cycle = Cycle(plant, pacer, LAST, self.publish, lambda: self.now)
+        self.cycle = TickCycle(plant, pacer, LAST, self.publish, lambda: self.now)
 
     def publish(self, state, status):
         self.sent.append((state.tick, status))

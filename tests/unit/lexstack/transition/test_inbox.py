@@ -1,4 +1,4 @@
-"""Which chi of robot B counts: by its tick, and by the revision of its references."""
+"""Which chi of the solver counts: by its tick, and by the revision of its references."""
 
 import dataclasses
 import itertools
@@ -88,15 +88,17 @@ def test_in_mid_blend_a_chi_with_older_references_counts_as_lost():
     run.ask_solver = lambda *args: dataclasses.replace(ask(*args), revision=1)
     run.controller.transition.ask("reach_base", 0.0, "", 2)
     run.run(10)
-    assert run.record.commands[-1].transition.source is Source.ROBOT_B
+    assert run.record.commands[-1].transition.source is Source.SOLVER
     tool = team().tools(home())[0]
     moved = dataclasses.replace(tool, position=tool.position + 1e-6)
     run.controller.references.add(Target(0.0, 0, ee=moved))
     lost = run.step().transition
     assert lost.source is Source.LOCAL
-    assert lost.reason.startswith("robot B lost at tick 10, last heard tick 10 with references 1 ")
+    assert lost.reason.startswith(
+        "the solver lost at tick 10, last heard tick 10 with references 1 "
+    )
     run.ask_solver = lambda *args: dataclasses.replace(ask(*args), revision=2)
-    assert run.step().transition.source is Source.ROBOT_B
+    assert run.step().transition.source is Source.SOLVER
 
 
 @pytest.mark.parametrize("revision", ANY)
@@ -136,7 +138,7 @@ def test_a_frozen_b_does_not_hide_behind_old_references():
 
 
 def test_a_b_that_answers_late_is_followed_in_the_order_of_its_ticks():
-    """The chi of tick 8 arrives behind that of tick 9: A goes on with that of 9."""
+    """The chi of tick 8 arrives behind that of tick 9: the controller goes on with that of 9."""
     run = loop(mode="realtime")
     run.controller.transition.ask("reach_base", 0.0, "", 2)
     held = []

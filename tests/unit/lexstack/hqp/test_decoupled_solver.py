@@ -28,8 +28,8 @@ class Watching:
         return DENSE.solve(given, warm)
 
 
-def parts_of(given, size):
-    return Structure(size).parts_of(given)
+def subproblems_of(given, size):
+    return Structure(size).subproblems_of(given)
 
 
 def robots(count, kind="nominal", inequalities=False, seed=0):
@@ -76,7 +76,7 @@ def test_a_task_of_two_robots_couples_them_wherever_they_stand():
     matrix = np.zeros((1, 60))
     matrix[0, [3, 57]] = 1.0
     given = with_task(robots(6), 1, LinearTask.equality("both", matrix, np.array([0.2])))
-    parts = parts_of(given, 10)
+    parts = subproblems_of(given, 10)
     columns = [np.arange(60)[part.columns].tolist() for part in parts]
     assert columns[0] == [*range(10), *range(50, 60)]
     assert columns[1:] == [list(range(10 * i, 10 * i + 10)) for i in range(1, 5)]
@@ -93,7 +93,7 @@ def test_a_chain_of_couplings_is_one_part():
     given = robots(6)
     for task in tasks:
         given = with_task(given, 0, task)
-    assert len(parts_of(given, 10)) == 1
+    assert len(subproblems_of(given, 10)) == 1
 
 
 @pytest.mark.parametrize("scale", [1.0, -2.5])
@@ -102,7 +102,7 @@ def test_follow_chi_couples_nothing(scale):
     target = np.linspace(-0.4, 0.4, 60)
     follow = LinearTask.equality("follow_chi", scale * np.eye(60), scale * target)
     given = HqpProblem((given.levels[0], (follow,)), given.bounds)
-    assert len(parts_of(given, 10)) == 6
+    assert len(subproblems_of(given, 10)) == 6
     dense = DENSE.solve(given)
     solution = ClusteredSolver(DENSE, 10).solve(given)
     np.testing.assert_allclose(solution.chi, dense.chi, atol=1e-9)
@@ -113,11 +113,13 @@ def test_an_entry_however_small_couples():
     given = robots(6)
     tiny = np.zeros((1, 60))
     tiny[0, [0, 59]] = 1.0, 1e-300
-    assert len(parts_of(with_task(given, 0, LinearTask("t", tiny, *np.zeros((2, 1)))), 10)) == 5
+    assert (
+        len(subproblems_of(with_task(given, 0, LinearTask("t", tiny, *np.zeros((2, 1)))), 10)) == 5
+    )
     almost = np.eye(60)
     almost[0, 59] = 1e-300
     task = LinearTask.equality("almost", almost, np.zeros(60))
-    assert len(parts_of(with_task(given, 0, task), 10)) == 1
+    assert len(subproblems_of(with_task(given, 0, task), 10)) == 1
 
 
 def test_tasks_without_rows_or_columns_and_levels_without_tasks():
@@ -177,19 +179,19 @@ def test_a_matrix_that_cannot_change_is_looked_at_once_and_one_that_can_every_ti
     task = LinearTask.equality("t", matrix, np.zeros(1))
     coupled = with_task(given, 0, task)
     structure = Structure(10)
-    assert len(structure.parts_of(coupled)) == 6
+    assert len(structure.subproblems_of(coupled)) == 6
     matrix[0, 57] = 1.0
-    assert len(structure.parts_of(coupled)) == 5
+    assert len(structure.subproblems_of(coupled)) == 5
     matrix.setflags(write=False)
-    assert len(structure.parts_of(coupled)) == 5
-    assert len(structure.parts_of(coupled)) == 5
+    assert len(structure.subproblems_of(coupled)) == 5
+    assert len(structure.subproblems_of(coupled)) == 5
     for first in range(0, 50, 10):  # other matrices, at whatever place in memory
         other = np.zeros((1, 60))
         other[0, [first, first + 10]] = 1.0
         other.setflags(write=False)
         assert (
             len(
-                structure.parts_of(
+                structure.subproblems_of(
                     with_task(given, 0, LinearTask.equality("o", other, np.zeros(1)))
                 )
             )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lexstack_bag.run.partial_chi import joined, robots_of
-from lexstack_bag.run.provenance import run_facts
+from lexstack_bag.run.provenance import run_provenance
 from lexstack_bag.run.reader import read_run
 from lexstack_bag.storage.writer import BagWriter
 from lexstack_config.parts import build_team
@@ -22,12 +22,12 @@ THEIRS = slice(10, 20)
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory, resolved):
-    """Tick 0: both parts; 1: robot B's alone; 2: A's twice, then B's; 3: a failed one; 4: whole.
+    """Tick 0: both parts; 1: B's alone; 2: A's twice, then B's; 3: a failed one; 4: whole.
 
     The parts of tick 2 arrive in between those of tick 0.
     """
     folder = tmp_path_factory.mktemp("parts") / "bag"
-    with BagWriter(folder, run_facts(resolved)) as writer:
+    with BagWriter(folder, run_provenance(resolved)) as writer:
         maker = Maker(writer, resolved)
         for tick in range(5):
             maker.plant(tick)

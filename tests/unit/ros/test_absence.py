@@ -1,4 +1,4 @@
-"""What robot A tells of its absence, and who of the others is silent."""
+"""What the controller tells of its absence, and who of the others is silent."""
 
 import time
 
@@ -7,38 +7,38 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from lexstack.transition import Phase, Source, TransitionState
-from lexstack_ros.node.absence import Journal
+from lexstack_ros.node.absence import Absence
 from lexstack_ros.node.diagnostics import Diagnostics, Health, brief
-from lexstack_ros.node.peer_watch import Watch
+from lexstack_ros.node.peer_watch import PeerWatch
 
 
 def told(reason):
     return TransitionState(
-        1, "a", "b", Source.ROBOT_B, "bridge", Phase.BLENDING, 0.5, 1.0, 0.0, reason
+        1, "a", "b", Source.SOLVER, "bridge", Phase.BLENDING, 0.5, 1.0, 0.0, reason
     )
 
 
 def test_robot_a_tells_when_it_was_away():
-    journal = Journal(10)
-    assert [journal.arrive(tick) for tick in (0, 1, 2, 12)] == [""] * 4
-    assert journal.arrive(23) == "robot A was away from tick 13 to 22"
-    assert Journal(10).arrive(500) == "robot A began at tick 500"
-    assert Journal(10).arrive(3) == ""
-    journal.begin_anew()
-    assert journal.arrive(0) == "the plant began anew, robot A at tick 0"
-    assert journal.arrive(1) == ""
+    absence = Absence(10)
+    assert [absence.arrive(tick) for tick in (0, 1, 2, 12)] == [""] * 4
+    assert absence.arrive(23) == "the controller was away from tick 13 to 22"
+    assert Absence(10).arrive(500) == "the controller began at tick 500"
+    assert Absence(10).arrive(3) == ""
+    absence.begin_anew()
+    assert absence.arrive(0) == "the plant began anew, the controller at tick 0"
+    assert absence.arrive(1) == ""
 
 
 def test_a_reason_is_reported_once_even_if_it_has_gone_again():
-    journal = Journal(10)
-    for reason in ("", "robot B lost", "robot B lost", ""):
-        journal.see([told(reason), told(reason)])
-    assert journal.report() == "robot B lost"
-    assert journal.report() == ""
-    journal.see([told("robot B lost")])
-    assert journal.report() == "robot B lost"
-    journal.see([told("robot B lost")])
-    assert journal.report() == "", "it only stands there still"
+    absence = Absence(10)
+    for reason in ("", "the solver lost", "the solver lost", ""):
+        absence.see([told(reason), told(reason)])
+    assert absence.report() == "the solver lost"
+    assert absence.report() == ""
+    absence.see([told("the solver lost")])
+    assert absence.report() == "the solver lost"
+    absence.see([told("the solver lost")])
+    assert absence.report() == "", "it only stands there still"
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def node():
 
 def test_who_is_silent_is_named_until_it_speaks_or_is_gone(node):
     now = [0.0]
-    watch = Watch(node, lambda: now[0])
+    watch = PeerWatch(node, lambda: now[0])
 
     def speak(name, hardware="lexstack"):
         status = DiagnosticStatus(name=name, hardware_id=hardware)

@@ -116,12 +116,12 @@ def test_the_tolerance_stands_in_the_line_search_and_nowhere_else():
         )
         task = Task(objectives[0], own, 9)
         best = np.full((10, 3), 0.02)
-        guard = LexicographicConstraint(0, task, best, "axis", solver.horizon)
-        np.testing.assert_array_equal(guard.upper, 0.02)
-        np.testing.assert_array_equal(guard.lower, -0.02)
-        assert guard.excess(best + delta)[0] <= 1e-12
-        assert guard.excess(best + delta + 1e-6)[0] > 0.0
-        assert guard.excess(-best - delta - 1e-6)[0] > 0.0
+        constraint = LexicographicConstraint(0, task, best, "axis", solver.horizon)
+        np.testing.assert_array_equal(constraint.upper, 0.02)
+        np.testing.assert_array_equal(constraint.lower, -0.02)
+        assert constraint.excess(best + delta)[0] <= 1e-12
+        assert constraint.excess(best + delta + 1e-6)[0] > 0.0
+        assert constraint.excess(-best - delta - 1e-6)[0] > 0.0
 
 
 @pytest.mark.parametrize("kind", ["axis", "stage", "sum"])
@@ -133,12 +133,12 @@ def test_rows_of_guards_are_those_of_differences(kind):
     program = solver.program(start)
     u = rng.normal(size=(10, 9))
     at = program.iterate(u).at
-    guard = LexicographicConstraint(0, task, task.error(at), kind, solver.horizon)
-    rows = guard.rows(at, task.error(at))
+    constraint = LexicographicConstraint(0, task, task.error(at), kind, solver.horizon)
+    rows = constraint.rows(at, task.error(at))
     for _ in range(10):
         d = rng.normal(size=u.shape)
         there, back = (
-            guard.value(task.error(program.iterate(u + s * 1e-6 * d).at)) for s in (1, -1)
+            constraint.value(task.error(program.iterate(u + s * 1e-6 * d).at)) for s in (1, -1)
         )
         np.testing.assert_allclose((there - back) / 2e-6, rows @ d.ravel(), rtol=1e-4, atol=1e-5)
 

@@ -120,7 +120,7 @@ DELIVERY = (
 )
 
 
-def delivered(architecture, event=lambda sequence, _present: sequence):
+def delivered(architecture, event=lambda sequence, _pose: sequence):
     """Return record and times of the small delivery."""
     start = Sequence.begin(DELIVERY, architecture, RobotPose.of(robot(), 0.0, HOME))
     return carry_out(optimiser(), HOME, start, 60.0, event=event)
@@ -138,8 +138,8 @@ def test_the_base_waits_for_a_held_tool_and_leaves_after_its_release():
     tasks = (DELIVERY[0], held, DELIVERY[2])
     start = Sequence.begin(tasks, HT_ARCH, RobotPose.of(robot(), 0.0, HOME))
 
-    def release(sequence, present):
-        return sequence.release("give") if present.stamp >= 15.0 else sequence
+    def release(sequence, pose):
+        return sequence.release("give") if pose.stamp >= 15.0 else sequence
 
     record, done = carry_out(optimiser(), HOME, start, 60.0, event=release)
     times = {name: time for time, name in done}
@@ -151,9 +151,9 @@ def test_the_base_waits_for_a_held_tool_and_leaves_after_its_release():
 
 
 def test_a_target_that_moves_is_followed():
-    def move(sequence, present):
-        if abs(present.stamp - 3.0) < 1e-6:
-            return sequence.retarget("give", ((2.5, 1.4, 0.8),), present)
+    def move(sequence, pose):
+        if abs(pose.stamp - 3.0) < 1e-6:
+            return sequence.retarget("give", ((2.5, 1.4, 0.8),), pose)
         return sequence
 
     start = Sequence.begin(DELIVERY[:2], HT_ARCH, RobotPose.of(robot(), 0.0, HOME))

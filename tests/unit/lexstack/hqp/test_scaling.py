@@ -209,8 +209,8 @@ def test_the_oracle_refuses_rows_that_it_cannot_weigh():
 
 
 def test_where_the_weights_of_a_level_are_not_resolved_the_solver_says_so(monkeypatch):
-    monkeypatch.setattr(cascade, "solve_by_exchange", lambda *_, **__: None)
-    monkeypatch.setattr(unmet, "solve_by_exchange", lambda *_, **__: None)
+    monkeypatch.setattr(cascade, "solve_by_active_set", lambda *_, **__: None)
+    monkeypatch.setattr(unmet, "solve_by_active_set", lambda *_, **__: None)
     monkeypatch.setattr(unmet, "_SINGLE_ROUNDS", 0)
     given = problem([[to(0, 1, 0), to(1e-3, 1e-3, 0)], [to(0.5, 0, 1)]], [-1] * 2, [1] * 2)
     solution = DaqpCascade().solve(given)

@@ -122,7 +122,7 @@ def test_it_saturates_what_it_asks_for():
 
 
 def test_the_object_goes_where_the_level_below_takes_it():
-    """Level 1 holds it, level 2 moves robot A's end: both tools move as one rigid body."""
+    """Level 1 holds it, level 2 moves the controller's end: both tools move as one rigid body."""
     rng = np.random.default_rng(5)
     q = random_q(rng)
     tools = team().tools(q)

@@ -18,12 +18,12 @@ MOVES = [(0.1, 0.0, 0.0), (0.0, 0.1, 0.05), (-0.1, 0.05, 0.0)]
 
 
 def blend(mode, late=0, lag=0, *, named=False, move=(0.1, 0.0, 0.0), at=150, base=None):
-    """Return a run with a switch at tick 100 and a target at A's tick ``at``.
+    """Return a run with a switch at tick 100 and a target at the controller's tick ``at``.
 
     Args:
         mode: lockstep or realtime.
-        late: by how many ticks B's answers are late.
-        lag: how many ticks later B has the target.
+        late: by how many ticks the solver's answers are late.
+        lag: how many ticks later the solver has the target.
         named: whether revisions are known.
         move: of robot a's tool [m].
         at: the tick of the target.
@@ -64,12 +64,14 @@ def bends(run):
 @pytest.mark.parametrize("move", MOVES)
 @pytest.mark.parametrize(("late", "lag", "named"), [(1, 0, True), (1, 0, False), (1, 1, False)])
 def test_a_target_in_mid_blend_is_as_smooth_with_a_late_b_as_in_lockstep(move, late, lag, named):
-    """What the target moves in B's chi was taken for acceleration: 1.0 times its limit."""
+    """What the target moves in the solver's chi was taken for acceleration: 1.0 times its limit."""
     ideal = steps(blend("lockstep", move=move))[148:].max()
     assert ideal < 0.3
     found = blend("realtime", late, lag, named=named, move=move)
     assert steps(found)[148:].max() <= 1.1 * ideal
-    assert found.record.commands[150 + lag + 1].transition.alpha == 0.0, "latched for B's jump"
+    assert found.record.commands[150 + lag + 1].transition.alpha == 0.0, (
+        "latched for the solver's jump"
+    )
 
 
 @pytest.mark.parametrize(
@@ -81,7 +83,7 @@ def test_a_target_in_mid_blend_is_as_smooth_with_a_late_b_as_in_lockstep(move, l
     ],
 )
 def test_a_target_at_the_end_of_a_blend_is_as_smooth_with_a_late_b_as_in_lockstep(at, move):
-    """To take over from B's late chi added 2 % of the limit to the acceleration there: 1.18."""
+    """To take over from a late chi added 2 % of the limit to the acceleration there: 1.18."""
     ideal = steps(blend("lockstep", move=move, at=at))[at - 2 :].max()
     assert ideal < 0.3
     found = steps(blend("realtime", 1, named=True, move=move, at=at))[at - 2 :].max()
@@ -90,7 +92,7 @@ def test_a_target_at_the_end_of_a_blend_is_as_smooth_with_a_late_b_as_in_lockste
 
 @pytest.mark.parametrize("late", [0, 1])
 def test_a_target_of_the_base_in_mid_blend_is_bridged_too(late):
-    """It moves no row of level 1, B's chi alone: that jumped with all acceleration there is."""
+    """It moves no row of level 1, the solver's chi alone: that jumped at full acceleration."""
     mode = "realtime" if late else "lockstep"
     assert steps(blend(mode, late, base=(0.3, 0.4, 0.2)))[148:].max() < 0.4
 
@@ -131,7 +133,9 @@ def test_after_three_losses_a_stays_with_its_own_to_the_end(on_loss):
     lost = [k for k in range(3, 46) if told[k].source is not told[k - 1].source]
     assert lost == [25, 30, 35, 40, 45], "lost, back, lost, back, lost"
     assert told[45].source is Source(on_loss)
-    assert f"it is loss {LOSSES} of this blend, so B is not followed again" in told[45].reason
+    assert (
+        f"it is loss {LOSSES} of this blend, so the solver is not followed again" in told[45].reason
+    )
     assert not run.controller.transition.awaits(46), "nobody is waited for"
     run.run(110)
     later = [command.transition for command in run.record.commands[46:]]
@@ -147,7 +151,7 @@ def test_losses_of_the_blend_before_do_not_count():
     run.controller.transition.ask("posture", 0.0, "", 50)
     run.solver_answers = lambda tick: tick < 20 or tick % 10 < 5
     run.run(51)
-    assert run.record.commands[-1].transition.source is Source.ROBOT_B
+    assert run.record.commands[-1].transition.source is Source.SOLVER
 
 
 def test_two_requests_at_one_tick_carry_no_motion_that_was_not_there():

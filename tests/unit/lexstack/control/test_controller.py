@@ -1,4 +1,4 @@
-"""Robot A through all phases of a transition, with B well, late, lost and back."""
+"""The controller through all phases of a transition, with the solver well, late, lost and back."""
 
 import numpy as np
 import pytest
@@ -85,12 +85,12 @@ def test_loss_of_b_while_it_blends(on_loss):
     assert lost.source is Source(on_loss)
     assert lost.phase is Phase.BLENDING
     assert lost.alpha == 0.0, "latched anew"
-    assert lost.reason.startswith("robot B lost at tick 20, last heard tick 19: ")
+    assert lost.reason.startswith("the solver lost at tick 20, last heard tick 19: ")
     seen = phases(run, 60)
     assert (Phase.ABORTED in seen) == (on_loss == "minimum_velocity")
     last = run.record.commands[-1]
     assert last.transition.phase is Phase.IDLE
-    assert "robot B lost" in last.transition.reason
+    assert "the solver lost" in last.transition.reason
     if on_loss == "minimum_velocity":
         # The tools' last errors fade with exp(-gain t).
         assert np.abs(last.chi).max() < 1e-3, "at rest"
@@ -105,8 +105,8 @@ def test_b_comes_back():
     run.controller.transition.ask("reach_base", 0.0, "", 1)
     phases(run, 30)
     back = run.step().transition
-    assert back.source is Source.ROBOT_B
-    assert back.reason == "robot B is back at tick 30"
+    assert back.source is Source.SOLVER
+    assert back.reason == "the solver is back at tick 30"
 
 
 def test_b_never_answers():
@@ -116,7 +116,7 @@ def test_b_never_answers():
     phases(run, 5)
     first = run.step().transition
     assert first.source is Source.LOCAL
-    assert first.reason.startswith("robot B sent no chi by tick 5")
+    assert first.reason.startswith("the solver sent no chi by tick 5")
     assert phases(run, 15)[-1] is Phase.IDLE
     assert run.record.commands[-1].stack == "reach_base"
 
@@ -151,7 +151,7 @@ def test_in_realtime_a_takes_the_newest_and_waits_for_nobody():
     assert run.step().transition.phase is Phase.BLENDING
     stale = round(resolved().scenario.timeouts.source_stale * resolved().scenario.rate)
     seen = [run.step().transition.source for _ in range(stale)]
-    assert seen[stale - 3] is Source.ROBOT_B, "tick 3 is fresh until tick 3 + stale"
+    assert seen[stale - 3] is Source.SOLVER, "tick 3 is fresh until tick 3 + stale"
     assert seen[stale - 2] is Source.LOCAL
 
 
@@ -252,7 +252,7 @@ def test_after_a_late_step_b_goes_on_although_it_was_told_its_end():
         schedule.add(Target(0.31, 0, ee=moved))  # the last tick of the blend
     seen = phases(run, 100)
     assert seen.count(Phase.ADOPTING) == 1
-    assert {c.transition.source for c in run.record.commands[1:60]} == {Source.ROBOT_B}
+    assert {c.transition.source for c in run.record.commands[1:60]} == {Source.SOLVER}
     assert max(run.record.sources) == 61
 
 
