@@ -22,14 +22,7 @@ that keeps jerk limits."""
 def of_tick(
     channels: Iterable[Channel], due: Due, stacks: Mapping[str, Stack], part_of: PartOf
 ) -> list[Asked]:
-    """Return what the channels ask for at a tick, with the requests that start at it.
-
-    Args:
-        channels: before the tick.
-        due: the requests of the tick.
-        stacks: all that may be asked for, by name.
-        part_of: makes the part of some robots.
-    """
+    """Return what channels ask for at a tick, as its requests that start leave them."""
     ways = [(channel.part, channel.target, channel.method) for channel in channels]
     for request, _ in due.starting:
         stay = [set(part.robots) - set(request.robots) for part, _, _ in ways]
