@@ -10,11 +10,10 @@ from lexstack.limits.joint_limits import JointLimits
 from lexstack.options import unknown
 from lexstack.robots import Team
 from lexstack.tasks.stack import AT_REST, Stack
-from lexstack.transition.cancellation import Cancellation
 from lexstack.transition.channel_problem import Plans
 from lexstack.transition.channels.channel import Channel, source_of
 from lexstack.transition.channels.gathering import begin, together
-from lexstack.transition.channels.lineup import as_requested, coupling, some_of
+from lexstack.transition.channels.lineup import as_requested, cancelled, coupling, some_of
 from lexstack.transition.due import Due
 from lexstack.transition.messages import Announcement, SourceSample, TransitionState
 from lexstack.transition.methods import METHODS
@@ -132,15 +131,15 @@ class Transition:
 
     def cancel(self) -> Answer:
         """Give up all transitions under way and those scheduled, and go back smoothly."""
-        given_up = Cancellation.of(self._channels, self._book.not_begun)
+        given_up = cancelled(self._channels, self._book.not_begun)
         if given_up is None:
             return Answer(False, "there is no transition to cancel")
         self._book.clear()
-        self._channels = given_up.channels
-        if not given_up.back:
-            return Answer(True, f"{given_up.done} before it began")
-        answers = [self._back(stack, given_up.why) for stack in given_up.back]
-        text = "; ".join([given_up.done, *(answer.message for answer in answers)])
+        self._channels, back, why, done = given_up
+        if not back:
+            return Answer(True, f"{done} before it began")
+        answers = [self._back(stack, why) for stack in back]
+        text = "; ".join([done, *(answer.message for answer in answers)])
         return replace(answers[-1], message=text)
 
     def end(self) -> None:

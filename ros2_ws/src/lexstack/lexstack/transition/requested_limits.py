@@ -22,14 +22,7 @@ that keeps jerk limits."""
 def of_tick(
     channels: Iterable[Channel], due: Due, stacks: Mapping[str, Stack], group_of: GroupOf
 ) -> list[Requested]:
-    """Return what the channels ask for at a tick, with the requests that start at it.
-
-    Args:
-        channels: before the tick.
-        due: the requests of the tick.
-        stacks: all that may be asked for, by name.
-        group_of: makes the group of some robots.
-    """
+    """Return what channels ask for at a tick, as its requests that start leave them."""
     routes = [(channel.group, channel.target, channel.method) for channel in channels]
     for request, _ in due.starting:
         stay = [set(group.robots) - set(request.robots) for group, _, _ in routes]

@@ -35,13 +35,7 @@ def with_singularity(state: TransitionState, near: tuple[NearSingular, ...]) -> 
 def coming(
     channel: Channel, pending: Iterable[SwitchRequest], scheduled: Iterable[SwitchRequest]
 ) -> tuple[SwitchRequest, Phase] | None:
-    """Return the next request that takes robots of a channel, and how far it is.
-
-    Args:
-        channel: any.
-        pending: requests that are due, but without a first chi.
-        scheduled: those whose tick has not come yet.
-    """
+    """Return the next request that takes robots of a channel, and how far it is."""
     robots = set(channel.group.robots)
     for requests, phase in ((pending, Phase.PREPARING), (scheduled, Phase.REQUESTED)):
         for request in requests:

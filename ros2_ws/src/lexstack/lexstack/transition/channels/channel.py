@@ -11,10 +11,10 @@ from lexstack.hqp import NEAR, HqpProblem
 from lexstack.references import References
 from lexstack.tasks.stack import Stack, joined
 from lexstack.transition.blend import Blend
+from lexstack.transition.blend_end import at_end, left_by
 from lexstack.transition.bridge import goes_on
 from lexstack.transition.channel_problem import Plan
 from lexstack.transition.gap_motion import GapMotion
-from lexstack.transition.hand_over import left_by
 from lexstack.transition.held_back import at_velocity_limit, held_back
 from lexstack.transition.latch_state import HURRY, LatchState
 from lexstack.transition.messages import Source
@@ -22,7 +22,6 @@ from lexstack.transition.methods import BRIDGES
 from lexstack.transition.relatch import LOSSES, level_jumps
 from lexstack.transition.robot_group import RobotGroup
 from lexstack.transition.sources.inbox import Choice, Sources
-from lexstack.transition.take_over import at_end
 from lexstack.transition.tick_context import TickContext
 from lexstack.types import LinearTask, Vector
 

@@ -28,13 +28,7 @@ def begin(
 ) -> tuple[Channel, ...]:
     """Return the channels with a request's robots in a new one, in a blend.
 
-    Args:
-        channels: of all robots.
-        starting: the request, and whom to follow.
-        stacks: all that may be asked for, by name.
-        sources: of chi.
-        group_of: makes the group of some robots.
-        context: of this tick.
+    ``starting`` is the request and whom to follow, the other values are the controller's.
     """
     request, first = starting
     group = group_of(request.robots)

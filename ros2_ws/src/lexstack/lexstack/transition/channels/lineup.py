@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from lexstack.options import shown
 from lexstack.references import References
@@ -55,13 +56,9 @@ def coupling(channels: Iterable[Channel], group: RobotGroup) -> str:
 def some_of(
     stack: Stack, robots: Collection[str], moved: Collection[str], team: Team
 ) -> tuple[tuple[int, ...], str]:
-    """Return the places of robots that are to go to a stack, and why they cannot, or ''.
+    """Return the places of ``robots`` that are to go to a stack, and why they cannot, or ''.
 
-    Args:
-        stack: where to.
-        robots: their names.
-        moved: names of all robots that the stack moves.
-        team: that they belong to.
+    ``moved`` are the names of all robots that the stack moves.
     """
     strangers = [name for name in robots if name not in moved]
     if strangers:
@@ -72,6 +69,33 @@ def some_of(
     some = tuple(sorted({team.index(name) for name in robots}))
     task = stack.coupling(some)
     return some, f"the task {task!r} of {stack.name!r} couples more robots" if task else ""
+
+
+def cancelled(
+    channels: Sequence[Channel], dropped: Sequence[SwitchRequest]
+) -> tuple[tuple[Channel, ...], tuple[Stack, ...], str, str] | None:
+    """Return what is given up with all blends and with requests; None: there is nothing.
+
+    Returns:
+        The channels, of which those concerned report it once; the stacks to go back to, of the
+        blends; the reason of that; and what is cancelled, in words.
+    """
+    blends = [channel for channel in channels if channel.blend is not None]
+    if not dropped and not blends:
+        return None
+    gone = dict.fromkeys(channel.id for channel in blends)
+    gone = gone or dict.fromkeys(request.id for request in dropped[-3:])
+    plural = "s" if len(gone) > 1 else ""
+    what = f"transition{plural} {', '.join(map(str, gone))}"
+    if not blends and len(dropped) > len(gone):
+        what = f"{len(dropped)} transitions, the last of them {', '.join(map(str, gone))},"
+    why = f"{what} {'were' if plural else 'was'} cancelled"
+    told = tuple(
+        replace(each, aborted=why) if each.blend is not None or not blends else each
+        for each in channels
+    )
+    back = tuple(stack for channel in blends for stack in channel.adopted)
+    return told, back, f"{why}; going back", f"{what} {'are' if plural else 'is'} cancelled"
 
 
 def references_before(channels: Sequence[Channel], references: References) -> References:

@@ -12,12 +12,7 @@ Wanted = tuple[SwitchRequest, int | None]
 
 
 def wanted_of(requests: Iterable[SwitchRequest], followed: Iterable[Wanted]) -> dict[int, Wanted]:
-    """Return all that the source shall solve, by transition id.
-
-    Args:
-        requests: that have not begun.
-        followed: the requests of blends that follow the source, and when each of these ends.
-    """
+    """Return all that the source shall solve, for requests to come and for blends, by their id."""
     wanted: dict[int, Wanted] = {request.id: (request, None) for request in requests}
     for request, end in followed:
         # A request whose robots are on several channels ends with the last of them.
