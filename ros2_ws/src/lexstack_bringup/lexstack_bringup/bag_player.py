@@ -102,7 +102,7 @@ class BagPlayer(Node):
         Args:
             messages: of the bag, in its order.
             pace: from a log time [ns] to the wall time until it is due [s]; not positive: now.
-            user: what is asked of a live robot A by service.
+            user: what is asked of a live controller by service.
             expected: ticks that the live node must answer before the next state is sent.
 
         Raises:
@@ -152,7 +152,7 @@ class BagPlayer(Node):
     def _altered(self, message: RawMessage) -> Any:
         """Return a message as it is played.
 
-        The plant follows the live robot A as it followed the recorded one: the name of the
+        The plant follows the live controller as it followed the recorded one: the name of the
         commander in its state is the live node's.
         """
         if message.topic != PLANT_STATE or self.peer is None or not self.peer.sender:

@@ -57,7 +57,7 @@ class LivePeer:
 
     Attributes:
         live: which one.
-        sender: its name in messages, where it is robot A; empty until it has sent one.
+        sender: its name in messages, where it is the controller; empty until it has sent one.
     """
 
     def __init__(self, name: str, node: Node, executor: Executor, patience: float) -> None:

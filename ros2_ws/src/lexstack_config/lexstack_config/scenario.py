@@ -69,9 +69,15 @@ class PoseConfig:
 class TimeoutsConfig:
     """Every wait has an end."""
 
-    source_wall: Positive = 1.0  # s of wall time that A waits for B's chi of a tick (lockstep)
-    source_stale: Positive = 0.05  # s of simulated time after which B's chi is stale (realtime)
-    source_patience: Positive = 0.5  # s of simulated time that A waits for B's first chi (realtime)
+    source_wall: Positive = (
+        1.0  # s of wall time in which the solver's chi of a tick must come (lockstep)
+    )
+    source_stale: Positive = (
+        0.05  # s of simulated time after which the solver's chi is stale (realtime)
+    )
+    source_patience: Positive = (
+        0.5  # s of simulated time in which the solver's first chi must come (realtime)
+    )
     plan_stale: Positive = 0.25  # s of simulated time after which a plan is stale (realtime)
     command_wall: Positive = 2.0  # s of wall time that the bridge waits for a command (lockstep)
     watchdog: Positive = 0.1  # s of simulated time without a command after which all joints brake

@@ -36,7 +36,7 @@ class Measured:
     """One phase of the load.
 
     Attributes:
-        phase: whom robot A follows.
+        phase: whom the controller follows.
         ticks: of the plant; seconds: of wall time for them.
         late: ticks that began late; missing: ticks without a command.
         cpu: share of a core by process [%].
@@ -96,10 +96,10 @@ def measured(rig: Rig, phase: str, seconds: float) -> Measured:
 
 
 def _enter(rig: Rig, phase: str) -> None:
-    """Let robot A follow whom the phase names."""
+    """Let the controller follow whom the phase names."""
     if phase == "robot_b":
         rig.switch("posture", _LONGEST)
-        rig.until(lambda: rig.follows("robot_b"), "to follow robot B")
+        rig.until(lambda: rig.follows("robot_b"), "to follow the solver")
     elif phase == "htmpc":
         rig.drive(_FAR)
     else:

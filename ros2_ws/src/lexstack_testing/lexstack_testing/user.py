@@ -80,7 +80,7 @@ class User(Bystander):
     """A bystander who keeps all that is told of the motion.
 
     Attributes:
-        states: of the plant; commands: of robot A; statuses: of transitions; all that were heard.
+        states: of the plant; commands: of the controller; statuses: of transitions; all heard.
     """
 
     def __init__(self, run: PlayedRun, node: Node | None = None) -> None:

@@ -87,8 +87,8 @@ def at_end(blend: Blend, own: Vector, tick: int, context: TickContext) -> tuple[
     if (apart <= _SAME * context.limits.acceleration[mine] * context.dt).all():
         return blend, ""
     why = (
-        f"robot B's chi at tick {tick} is {apart.max():.2g} (m/s, rad/s) off robot A's own: "
-        "robot A blends on to its own"
+        f"the solver's chi at tick {tick} is {apart.max():.2g} (m/s, rad/s) off "
+        "the controller's own: the controller blends on to its own"
     )
     return _taken_over(blend, own, tick, context), why
 

@@ -1,4 +1,4 @@
-"""Lockstep with a bag in place of the plant, its users, the HTMPC and, without changes, robot B."""
+"""Lockstep with a bag in place of plant, users, HTMPC and, without changes, the solver."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class ReplayLoop(Lockstep):
     """
 
     def __init__(self, question: Question, parts: Parts) -> None:
-        """Build robots A and B; with changes robot B solves again, else its answers are known."""
+        """Build both; with changes the solver solves again, else its answers are known."""
         run, resolved, changes = question.run, question.resolved, question.changes
         chi, states, team = run.chi[COMMANDER], States(run), parts.team
         self.ticks = states.between(int(chi.tick[0]), int(chi.tick[-1])) if len(chi.tick) else []
@@ -84,11 +84,11 @@ class ReplayLoop(Lockstep):
         return super().step()
 
     def answers(self, state: RobotState, references: References) -> Iterable[SourceSample]:
-        """Return what robot B had sent before robot A began this tick, or what it solves now."""
+        """Return what the solver had sent before this tick began, or what it solves now."""
         if self._samples is None:
             return super().answers(state, references)
         return self._samples.until(self._now(state))
 
     def _now(self, state: RobotState) -> int:
-        """Return when robot A began to serve a state [ns since 1970]."""
+        """Return when the controller began to serve a state [ns since 1970]."""
         return self._begun.get(state.tick, EVER)

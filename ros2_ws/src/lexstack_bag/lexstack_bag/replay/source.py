@@ -1,4 +1,4 @@
-"""Robot B's recorded answers, as robot A took them."""
+"""The solver's recorded answers, as the controller took them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SOLVER = "robot_b"
 
 
 def heard_samples(run: Run, team: Team) -> Arrivals[SourceSample]:
-    """Return robot B's answers as robot A took them, by the time of their sending."""
+    """Return the solver's answers as the controller took them, by the time of their sending."""
     return Arrivals(list(_each(all_of(run, SOLVER), team)))
 
 
@@ -34,7 +34,7 @@ def _slack(chi: ChiStream, row: int) -> float | None:
 
 
 def _each(chi: ChiStream, team: Team) -> Iterator[tuple[int, SourceSample]]:
-    """Yield B's messages as A took them, with the times of their sending [ns]."""
+    """Yield the solver's messages as the controller took them, and when they were sent [ns]."""
     for row in range(len(chi.tick)):
         robots = robots_of(str(chi.robots[row]), team)
         some = len(robots) < len(team.names)

@@ -12,7 +12,7 @@ Fault = Literal["kill", "stop", "slow", "flood", "disk", "message"]
 PHASES: tuple[Phase, ...] = ("idle", "blending", "following", "sequence")
 PROCESSES = ("stack_solver", "hqp_controller", "htmpc", "sim_bridge", "recorder")
 STOPPED = 4.5  # s of wall time that a process stands still: diagnostics need up to 3.5 s to see it
-SLOWER = (10.0, 200.0)  # times that robot B's solver takes
+SLOWER = (10.0, 200.0)  # times that the solver takes
 FLOOD, FLOOD_TIME = 1000, 10.0  # requests, s
 MESSAGES = (
     "unknown stacks",
@@ -32,7 +32,7 @@ class Case:
 
     Attributes:
         fault: what is done.
-        phase: in which phase of robot A.
+        phase: in which phase of the controller.
         what: which process, or how much or which messages.
     """
 

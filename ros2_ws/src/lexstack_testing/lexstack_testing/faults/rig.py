@@ -33,8 +33,8 @@ class Rig(Bystander):
         complaints: by node, what it complained of last in /diagnostics.
         heard: all complaints, with time [ns since 1970] and node: a recorder that is away, or has
             no room, does not record what is said of it.
-        reasons: all reasons in robot A's transitions, with time [ns since 1970] and source: the
-            recorder may find a robot A that starts anew later than its users do.
+        reasons: all reasons in transitions, with time [ns since 1970] and source: the
+            recorder may find a controller that starts anew later than its users do.
     """
 
     run: ApartRun
@@ -91,13 +91,13 @@ class Rig(Bystander):
         return self._switch.call_async(SwitchStack.Request(stack=stack, duration=duration))
 
     def drive(self, x: float) -> None:
-        """Let the HTMPC drive robot A's base to x [m]; asks until robot A follows the plan."""
+        """Let the HTMPC drive robot_a's base to x [m]; asks until its plan is followed."""
         task = SequenceTask("drive", "base_position", ((x, 0.0),), speed=0.3, tolerance=0.02)
         robot = self.scenario.sequences["drive"].robot
         goal = ExecuteSequence.Goal(robot=robot, tasks=[task_message(task)])
         self._ask_until(
             lambda: self.follows("htmpc"),
-            "robot A to follow the HTMPC",
+            "the controller to follow the HTMPC",
             self._sequences.server_is_ready,
             lambda: self._sequences.send_goal_async(goal),
         )
@@ -127,7 +127,7 @@ class Rig(Bystander):
 
     @property
     def all_transitions(self) -> list[TransitionStatus]:
-        """What robot A said last, of the last tick."""
+        """What the controller said last, of the last tick."""
         last = max((each.tick for each in self.transitions.values()), default=0)
         return [each for each in self.transitions.values() if each.tick == last]
 
@@ -153,7 +153,7 @@ class Rig(Bystander):
 
     @property
     def commanded(self) -> bool:
-        """Whether the plant follows robot A."""
+        """Whether the plant follows the controller."""
         return self.state is not None and self.state.status == PlantState.FOLLOWING
 
     def forget(self) -> None:
@@ -162,7 +162,7 @@ class Rig(Bystander):
         self.transitions.clear()
 
     def place(self) -> str:
-        """Return what robot A said last, in words."""
+        """Return what the controller said last, in words."""
         return f"; the last transitions: {self.all_transitions}"
 
     def _on_transition(self, message: TransitionStatus) -> None:

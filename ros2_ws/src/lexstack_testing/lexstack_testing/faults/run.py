@@ -46,7 +46,7 @@ class Event:
     later: str = ""  # the bag at the end
     answers: int = 0  # to a flood
     sent: int = 0  # wrong messages
-    rejoined: bool = False  # robot B served a switch after it
+    rejoined: bool = False  # the solver served a switch after it
 
 
 class Trials:
@@ -71,10 +71,10 @@ class Trials:
         return event
 
     def calm(self) -> None:
-        """Go back to the first stack, all robots, under robot A."""
+        """Go back to the first stack, all robots, under the controller."""
         rig = self._rig
         rig.release()
-        rig.until(lambda: rig.commanded, "the plant to follow robot A")
+        rig.until(lambda: rig.commanded, "the plant to follow the controller")
         while not rig.is_on(_HOME):
             rig.switch(_HOME, _QUICK)
             rig.wait(lambda: rig.is_on(_HOME), 3.0)
@@ -89,18 +89,18 @@ class Trials:
             rig.until(lambda: any(0.02 < t.alpha < 0.9 for t in rig.all_transitions), "a blend")
         elif case.phase == "following":
             rig.switch(stack, _QUICK)
-            rig.until(lambda: rig.is_on(stack) and rig.follows("robot_b"), "to follow robot B")
+            rig.until(lambda: rig.is_on(stack) and rig.follows("robot_b"), "to follow the solver")
         elif case.phase == "sequence":
             rig.drive(self._x)
             self._x = 0.8 - self._x
             rig.spin(0.5)
 
     def _probe(self, case: Case) -> bool:
-        """Return whether robot B serves a switch now; asks a few times, and the HTMPC if it was."""
+        """Return whether the solver serves a switch now; asks a few times, and so for the HTMPC."""
         rig = self._rig
         rig.forget()
         rig.release()
-        rig.until(lambda: rig.commanded, "the plant to follow robot A")
+        rig.until(lambda: rig.commanded, "the plant to follow the controller")
         if case.what == "htmpc":
             rig.drive(self._x)
             self._x = 0.8 - self._x
@@ -125,7 +125,7 @@ class Trials:
         event.healed = self._rig.run.send(case.what, signal.SIGCONT)
 
     def _slow(self, case: Case, event: Event) -> None:
-        """Put a slow robot B in the place of the fast one, for one whole transition."""
+        """Put a slow solver in the place of the fast one, for one whole transition."""
         rig = self._rig
         self._replace(f"{_SLOW}:{case.what.split()[0]}")
         self.calm()
@@ -136,7 +136,7 @@ class Trials:
         event.healed = time.time_ns()
 
     def _replace(self, module: str) -> None:
-        """End robot B in order, and start the other one."""
+        """End the solver in order, and start the other one."""
         self._rig.run.send("stack_solver", signal.SIGINT)
         self._rig.run.start("stack_solver", module)
 

@@ -33,7 +33,7 @@ class _Slow:
 
 
 class SlowSolverNode(StackSolverNode):
-    """Robot B's node with such a solver."""
+    """The solver's node with such a solver."""
 
     def __init__(self, factor: float) -> None:
         """Build the usual node, and slow it down."""

@@ -88,7 +88,7 @@ class SequenceRunner:
         self._optimiser = Htmpc(self._model, config)
         self._plan: Plan | None = None
         self._blend = blend
-        self._follows = 0.0  # s, the time from which on robot A follows exactly
+        self._follows = 0.0  # s, the time from which on the controller follows exactly
 
     def pose(self, state: RobotState) -> RobotPose:
         """Return where the robot is."""
