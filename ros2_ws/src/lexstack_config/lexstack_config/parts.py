@@ -70,7 +70,8 @@ def build_team(resolved: ResolvedScenario) -> Team:
     """Return the team of a scenario, and the obstacles in its way."""
     scenario = resolved.scenario
     robots = (
-        RobotModel(name, resolved.robots[place.model]) for name, place in scenario.robots.items()
+        RobotModel(name, resolved.robots[place.model], place.mounting)
+        for name, place in scenario.robots.items()
     )
     return Team(tuple(robots), 1.0 / scenario.rate, Obstacles(scenario.obstacles))
 

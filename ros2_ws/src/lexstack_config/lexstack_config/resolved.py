@@ -8,10 +8,11 @@ from pathlib import Path
 
 import yaml
 
+import lexstack.robots
 from lexstack.errors import ConfigurationError
 from lexstack.mpc import HtmpcConfig
 from lexstack.options import shown
-from lexstack.robots import RobotConfig
+from lexstack.robots import RobotConfig, RobotFile
 from lexstack.tasks import StackConfig
 from lexstack_config.available import available, load_stack
 from lexstack_config.reader import build, parse_yaml, plain, read_yaml
@@ -106,11 +107,16 @@ def _parameters(folder: Path, scenario: ScenarioConfig) -> dict[str, HtmpcConfig
 
 
 def load_robot(path: Path) -> RobotConfig:
-    """Return one robot file."""
-    config = build(RobotConfig, read_yaml(path), str(path))
-    if config.name != path.stem:
-        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(config.name)}")
-    return config
+    """Return one robot file, with every value in it that the file leaves out.
+
+    Raises:
+        ConfigurationError: the file or the URDF is missing or wrong; the text names file and key.
+    """
+    file = build(RobotFile, read_yaml(path), str(path))
+    if file.name != path.stem:
+        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(file.name)}")
+    # By way of the package, which loads pinocchio now: a recorder has no need of it.
+    return lexstack.robots.completed(file, str(path), path.resolve().parent)
 
 
 def load_stacks(folder: Path) -> dict[str, StackConfig]:

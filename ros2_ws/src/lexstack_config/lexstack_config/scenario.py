@@ -27,15 +27,22 @@ _LONGEST = 1e6  # s, 11 days
 
 @dataclass(frozen=True, slots=True)
 class PlacementConfig:
-    """One robot of the scenario: its kind, and where its base starts."""
+    """One robot of the scenario: its kind, and where its base starts, or is mounted."""
 
     model: str  # a name of config/robots
-    base: Vector3  # x [m], y [m], yaw [rad] in the world frame
+    base: Vector3 = (0.0, 0.0, 0.0)  # x [m], y [m], yaw [rad] in the world frame
+    z: float = 0.0  # m, height of the mounting of a robot without a base
+
+    @property
+    def mounting(self) -> tuple[float, float, float, float]:
+        """Where a robot without a base stands in the world: x, y, z [m], yaw [rad]."""
+        x, y, yaw = self.base
+        return x, y, self.z, yaw
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a model that is no name, or a place that is not finite."""
         names(where, model=self.model)
-        finite(where, base=self.base)
+        finite(where, base=self.base, z=self.z)
 
 
 @dataclass(frozen=True, slots=True)

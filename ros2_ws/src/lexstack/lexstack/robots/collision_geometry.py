@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from lexstack.errors import ModelError
 from lexstack.options import shown
+from lexstack.robots.joint_map import JointMap
 from lexstack.robots.options import SphereConfig
 from lexstack.types import Matrix, Vector
 
@@ -77,8 +78,21 @@ class SphereModel:
         moved_by: 1 where a joint of the robot moves a sphere, else 0, shape (s, n_robot).
     """
 
-    def __init__(self, robot: str, model: pin.Model, configs: tuple[SphereConfig, ...]) -> None:
-        """Place the spheres on the joints; raises ModelError for a link that is not there."""
+    def __init__(
+        self,
+        robot: str,
+        model: pin.Model,
+        configs: tuple[SphereConfig, ...],
+        joints_of: JointMap | None = None,
+    ) -> None:
+        """Place the spheres on the joints; raises ModelError for a link that is not there.
+
+        Args:
+            robot: its name, for the texts of errors.
+            model: all of its joints that move.
+            configs: the spheres.
+            joints_of: how these joints follow its q; None: they are q.
+        """
         self.links = tuple(config.link for config in configs)
         self.names = tuple(
             f"{link}[{self.links[:i].count(link)}]" for i, link in enumerate(self.links)
@@ -92,6 +106,10 @@ class SphereModel:
             centers.append(center)
             columns = [model.joints[k].idx_v for k in model.supports[joint] if k > 0]
             self.moved_by[i, columns] = 1.0
+        self._map = joints_of
+        if joints_of is not None:
+            moves = (joints_of.matrix != 0.0).astype(np.float64)
+            self.moved_by = np.minimum(self.moved_by @ moves, 1.0)
         self._n = int(model.nv)
         self._turned, self._moved = _sums(joints, centers)
         self._model = _with_axes(model, sorted(set(joints)))
@@ -103,15 +121,16 @@ class SphereModel:
 
         Both hold until the next call.
         """
-        n = self._n
-        self._q[:n] = q
+        n, joints = self._n, self._map
+        self._q[:n] = q if joints is None else joints.positions(q)
         jacobian: Matrix = pin.computeJointJacobians(self._model, self._data, self._q)
         moments, axes = jacobian[:3, n:], jacobian[3:, n:]
         places = moments.take(_LAST, axis=0)
         places *= axes.take(_NEXT, axis=0)
         centers = axes @ self._turned
         centers += places @ self._moved
-        return centers, jacobian[:, :n]
+        twists = jacobian[:, :n]
+        return centers, twists if joints is None else twists @ joints.matrix
 
 
 def _sums(joints: list[int], centers: list[Vector]) -> tuple[Matrix, Matrix]:

@@ -1,8 +1,13 @@
-"""What a robot is built from: one mobile manipulator; and what an obstacle is."""
+"""What a robot is built from, every value of it stated; and what an obstacle is.
+
+A robot's file may leave most of this out: ``robot_file.py`` has its schema, and fills in the rest.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
+from typing import Literal
 
 from lexstack.errors import ConfigurationError
 from lexstack.options import finite, not_negative, positive, same_length
@@ -11,7 +16,7 @@ Vector3 = tuple[float, float, float]
 """Along x, y, z; of a platform x, y, yaw."""
 
 # The lists of an arm that have one entry per joint.
-_ANGLES = ("home", "position_lower", "position_upper")
+_LIMITS = ("position_lower", "position_upper")
 _POSITIVE = (
     "velocity",
     "acceleration",
@@ -29,36 +34,43 @@ class FrameConfig:
     """A fixed frame: its parent link, and its pose in the parent's frame."""
 
     parent: str
-    xyz: Vector3  # m
-    rpy: Vector3  # rad, roll pitch yaw about fixed axes
+    xyz: Vector3 = (0.0, 0.0, 0.0)  # m
+    rpy: Vector3 = (0.0, 0.0, 0.0)  # rad, roll pitch yaw about fixed axes
 
 
 @dataclass(frozen=True, slots=True)
 class WheelsConfig:
     """Four wheels, for the eye only: they carry no load in the planar model."""
 
-    radius: float  # m
-    width: float  # m
-    x: float  # m, centre to axle
-    y: float  # m, centre to wheel
-    mass: float  # kg, each
+    radius: float = 0.1  # m
+    width: float = 0.08  # m
+    x: float = 0.25  # m, centre to axle
+    y: float = 0.25  # m, centre to wheel
+    mass: float = 5.0  # kg, each
 
 
 @dataclass(frozen=True, slots=True)
 class BaseConfig:
-    """A holonomic platform: planar joints x, y, yaw with velocity servos."""
+    """A holonomic platform: planar joints x, y, yaw with velocity servos.
 
-    chassis_size: Vector3  # m, length x width x height of the box
-    chassis_height: float  # m, box centre above the floor
-    chassis_mass: float  # kg
-    chassis_inertia: Vector3  # kg m2, about the box centre: ixx, iyy, izz
-    wheels: WheelsConfig
-    velocity: Vector3  # m/s, m/s, rad/s
-    acceleration: Vector3  # m/s2, m/s2, rad/s2
-    jerk: Vector3  # m/s3, m/s3, rad/s3
-    servo_gain: Vector3  # N s/m, N s/m, N m s/rad
-    servo_force: Vector3  # N, N, N m
-    q_star_distance: Vector3  # m, m, rad: how far q* may run from q
+    The control needs its velocity, acceleration and jerk alone. Chassis, wheels, servos and
+    ``q_star_distance`` are the simulation's; by default they are those of a platform of 0.7 x 0.6 m
+    and 120 kg.
+    """
+
+    chassis_size: Vector3 = (0.7, 0.6, 0.4)  # m, length x width x height of the box
+    chassis_height: float = 0.3  # m, box centre above the floor
+    chassis_mass: float = 100.0  # kg
+    # kg m2, about the box centre: ixx, iyy, izz; the default is a homogeneous box's
+    chassis_inertia: Vector3 = (4.3, 5.4, 7.1)
+    wheels: WheelsConfig = field(default_factory=WheelsConfig)
+    velocity: Vector3 = (1.0, 1.0, 2.0)  # m/s, m/s, rad/s
+    acceleration: Vector3 = (2.0, 2.0, 4.0)  # m/s2, m/s2, rad/s2
+    jerk: Vector3 = (200.0, 200.0, 400.0)  # m/s3, m/s3, rad/s3
+    servo_gain: Vector3 = (1e5, 1e5, 1e4)  # N s/m, N s/m, N m s/rad
+    servo_force: Vector3 = (800.0, 800.0, 400.0)  # N, N, N m
+    q_star_distance: Vector3 = (0.02, 0.02, 0.02)  # m, m, rad: how far q* may run from q
+    type: Literal["holonomic"] = "holonomic"
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a value out of range."""
@@ -78,18 +90,20 @@ class BaseConfig:
 
 @dataclass(frozen=True, slots=True)
 class ArmConfig:
-    """An arm from a URDF of the package ``example_robot_data``, with its limits and impedance.
+    """All that a URDF moves, one arm or several on a torso, with its limits and impedance.
 
-    For a prismatic joint read m where a list says rad, and N where it says N m.
+    For a prismatic joint read m where a list says rad, and N where it says N m. A planar joint P of
+    the URDF is three joints, P_x, P_y [m] and P_yaw [rad]. Joints that mimic another follow it and
+    are named nowhere, unless ``fixed`` holds one.
     """
 
-    description: str  # path below example_robot_data's robots folder
-    root: str  # the link that is mounted on the base
+    description: str  # a URDF: path, package://NAME/..., text, or below example-robot-data's robots
+    root: str  # the link that is mounted on the base; it must not move
     mount: FrameConfig  # parent: base
     joints: tuple[str, ...]  # controlled joints, in the order of chi
     fixed: dict[str, float]  # the other joints of the URDF and where they are held [rad or m]
     home: tuple[float, ...]  # rad
-    position_lower: tuple[float, ...]  # rad
+    position_lower: tuple[float, ...]  # rad; -inf and inf: without limits, as continuous joints
     position_upper: tuple[float, ...]  # rad
     velocity: tuple[float, ...]  # rad/s
     acceleration: tuple[float, ...]  # rad/s2
@@ -106,23 +120,33 @@ class ArmConfig:
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a list of the wrong length or a value out of range."""
-        lists = {name: getattr(self, name) for name in (*_ANGLES, *_POSITIVE, *_NOT_NEGATIVE)}
+        lists = {
+            name: getattr(self, name) for name in ("home", *_LIMITS, *_POSITIVE, *_NOT_NEGATIVE)
+        }
         same_length(where, len(self.joints), **lists)
         if self.posture is not None:
             same_length(where, len(self.joints), posture=self.posture)
             finite(where, posture=self.posture)
-        finite(where, **{name: lists[name] for name in _ANGLES})
+        finite(where, home=self.home)
         positive(where, **{name: lists[name] for name in _POSITIVE})
         not_negative(where, **{name: lists[name] for name in _NOT_NEGATIVE})
         for i, name in enumerate(self.joints):
-            if not self.position_lower[i] < self.position_upper[i]:
-                raise ConfigurationError(f"{where}: {name}: position_lower >= position_upper")
+            _check_limits(f"{where}: {name}", self.position_lower[i], self.position_upper[i])
             for key in ("home", "posture"):
                 values = getattr(self, key)
                 if values and not self.position_lower[i] <= values[i] <= self.position_upper[i]:
                     raise ConfigurationError(
                         f"{where}: {name}: {key} is outside the position limits"
                     )
+
+
+def _check_limits(where: str, lower: float, upper: float) -> None:
+    """Raise ConfigurationError unless a joint's limits are a range, or it has none at all."""
+    if (lower, upper) == (-math.inf, math.inf):
+        return
+    finite(where, position_lower=lower, position_upper=upper)
+    if not lower < upper:
+        raise ConfigurationError(f"{where}: position_lower >= position_upper")
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,13 +165,14 @@ class SphereConfig:
 
 @dataclass(frozen=True, slots=True)
 class RobotConfig:
-    """One kind of robot: base, arm, and the tool frame that end-effector tasks move."""
+    """One kind of robot: base, arm, and the frames that end-effector tasks move."""
 
     name: str
-    base: BaseConfig
+    base: BaseConfig | None  # None: it stands on a table or hangs on a wall, and does not drive
     arm: ArmConfig
-    tool: FrameConfig  # parent: a link of the arm
+    tool: FrameConfig  # parent: a link of the arm; the frame ``tool``, the default end effector
     spheres: tuple[SphereConfig, ...] = ()  # none: it takes no part in any distance
+    tools: dict[str, FrameConfig] = field(default_factory=dict)  # other end effectors, by name
 
 
 @dataclass(frozen=True, slots=True)

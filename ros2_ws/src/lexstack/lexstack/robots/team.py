@@ -11,7 +11,7 @@ from lexstack.errors import ConfigurationError
 from lexstack.limits.joint_limits import JointLimits
 from lexstack.options import shown
 from lexstack.robots.collision_geometry import Indices, Spheres
-from lexstack.robots.kinematics import Kinematics, Once, Pose
+from lexstack.robots.kinematics import Frames, Kinematics, Once, Pose
 from lexstack.robots.obstacles import Obstacles
 from lexstack.robots.options import Vector3
 from lexstack.robots.robot import RobotModel
@@ -25,7 +25,9 @@ class Team:
         robots: in the configured order.
         names: their names.
         slices: each robot's part of chi.
+        q_slices: each robot's part of q.
         n: length of chi.
+        nq: length of q.
         limits: of all joints, shape (n,) each.
         dt: control period [s].
         obstacles: that distances are kept to.
@@ -46,6 +48,9 @@ class Team:
             slice(int(end) - robot.n, int(end)) for end, robot in zip(ends, robots, strict=True)
         )
         self.n = int(ends[-1])
+        starts = np.cumsum([0, *(robot.nq for robot in robots)]).tolist()
+        self.q_slices = tuple(map(slice, starts[:-1], starts[1:]))
+        self.nq: int = starts[-1]
         self.limits = JointLimits.joined(robot.limits for robot in robots)
 
     def index(self, name: str) -> int:
@@ -73,25 +78,50 @@ class Team:
     def tools(self, q: Vector) -> tuple[Pose, ...]:
         """Return each robot's tool pose at the stacked configuration q, shape (n,)."""
         return tuple(
-            robot.tool(q[part])[0] for robot, part in zip(self.robots, self.slices, strict=True)
+            robot.tool(q[part])[0] for robot, part in zip(self.robots, self.q_slices, strict=True)
         )
 
     def kinematics(self, state: RobotState) -> Kinematics:
         """Return poses and Jacobians at the measured configuration of ``state``."""
         results = [
-            robot.tool(state.q[part]) for robot, part in zip(self.robots, self.slices, strict=True)
+            robot.tool(state.q[part])
+            for robot, part in zip(self.robots, self.q_slices, strict=True)
         ]
         return Kinematics(
             state,
             tuple(pose for pose, _ in results),
             tuple(jacobian for _, jacobian in results),
             Once(partial(self.spheres, state.q)),
+            Frames(partial(self._frame, state.q)),
+        )
+
+    def _frame(self, q: Vector, robot: int, name: str) -> tuple[Pose, Matrix]:
+        """Return pose and Jacobian of a robot's frame at the stacked configuration q."""
+        model = self.robots[robot]
+        return model.at(q[self.q_slices[robot]], model.frame(name))
+
+    def base_poses(self, q: Vector) -> tuple[Vector, ...]:
+        """Return each robot's ``RobotModel.base_pose`` at the stacked configuration q."""
+        return tuple(
+            robot.base_pose(q[part]) for robot, part in zip(self.robots, self.q_slices, strict=True)
+        )
+
+    def integrate(self, q: Vector, chi: Vector, dt: float) -> Vector:
+        """Return where all robots are after they moved at chi for dt [s] from q, shape (nq,)."""
+        if self.nq == self.n:
+            return q + dt * chi
+        return np.concatenate(
+            [
+                robot.integrate(q[at], chi[part], dt)
+                for robot, at, part in zip(self.robots, self.q_slices, self.slices, strict=True)
+            ]
         )
 
     def spheres(self, q: Vector) -> Spheres:
         """Return all collision spheres at the stacked configuration q, shape (n,)."""
         results = [
-            robot.spheres.at(q[part]) for robot, part in zip(self.robots, self.slices, strict=True)
+            robot.spheres.at(q[part])
+            for robot, part in zip(self.robots, self.q_slices, strict=True)
         ]
         radii, owners, moved_by = self._fixed
         return Spheres(
