@@ -91,6 +91,9 @@ def build_base(base: BaseConfig) -> pin.Model:
         (pin.JointModelPX(), pin.JointModelPY(), pin.JointModelRZ()), BASE_JOINTS, strict=True
     ):
         parent = model.addJoint(parent, joint, identity, name)
+    model.addFrame(pin.Frame("base", parent, 0, identity, pin.FrameType.BODY))
+    if base.chassis_mass == 0.0:
+        return model  # the URDF has them
     chassis = pin.Inertia(
         base.chassis_mass,
         np.array([0.0, 0.0, base.chassis_height]),
@@ -103,7 +106,6 @@ def build_base(base: BaseConfig) -> pin.Model:
             cylinder = pin.Inertia.FromCylinder(wheels.mass, wheels.radius, wheels.width)
             upright = pin.SE3(from_rpy((np.pi / 2, 0.0, 0.0)), np.array([x, y, wheels.radius]))
             model.appendBodyToJoint(parent, cylinder, upright)
-    model.addFrame(pin.Frame("base", parent, 0, identity, pin.FrameType.BODY))
     return model
 
 

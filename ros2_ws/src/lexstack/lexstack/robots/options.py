@@ -60,7 +60,7 @@ class BaseConfig:
 
     chassis_size: Vector3 = (0.7, 0.6, 0.4)  # m, length x width x height of the box
     chassis_height: float = 0.3  # m, box centre above the floor
-    chassis_mass: float = 100.0  # kg
+    chassis_mass: float = 100.0  # kg; 0: the URDF has the chassis, no box and wheels are added
     # kg m2, about the box centre: ixx, iyy, izz; the default is a homogeneous box's
     chassis_inertia: Vector3 = (4.3, 5.4, 7.1)
     wheels: WheelsConfig = field(default_factory=WheelsConfig)
@@ -77,7 +77,6 @@ class BaseConfig:
         positive(
             where,
             chassis_size=self.chassis_size,
-            chassis_mass=self.chassis_mass,
             chassis_inertia=self.chassis_inertia,
             velocity=self.velocity,
             acceleration=self.acceleration,
@@ -86,6 +85,7 @@ class BaseConfig:
             servo_force=self.servo_force,
             q_star_distance=self.q_star_distance,
         )
+        not_negative(where, chassis_mass=self.chassis_mass)
 
 
 @dataclass(frozen=True, slots=True)

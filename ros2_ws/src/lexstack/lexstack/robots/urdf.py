@@ -89,11 +89,12 @@ def one_coordinate(full: pin.Model, where: str) -> tuple[pin.Model, frozenset[st
     model.name, model.gravity = full.name, full.gravity
     for i in range(1, full.njoints):
         places.append(_add(model, full, i, places[full.parents[i]], where))
+    model.inertias[0] = full.inertias[0]
     for frame in list(full.frames)[1:]:
+        # With its inertia: that of links which do not move goes from there to what carries them.
         joint = places[frame.parentJoint]
-        model.addFrame(
-            pin.Frame(frame.name, joint, frame.parentFrame, frame.placement, frame.type), False
-        )
+        copy = (frame.name, joint, frame.parentFrame, frame.placement, frame.type, frame.inertia)
+        model.addFrame(pin.Frame(*copy), False)
     return model, free | frozenset(
         f"{full.names[i]}_{axis}"
         for i in range(1, full.njoints)
