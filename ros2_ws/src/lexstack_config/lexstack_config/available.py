@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+import lexstack.robots
 from lexstack.errors import ConfigurationError
 from lexstack.options import shown
 from lexstack.robots import RobotConfig
@@ -81,7 +82,8 @@ def _for_others(
 ) -> str:
     """Return which joints a stack limits of a robot that has not a single one of them, or ''."""
     for name, limits in stack.limits.items():
-        arm = robots[scenario.robots[name].model].arm.joints
-        if limits and not any(joint in arm or joint.startswith("base_") for joint in limits):
+        robot = robots[scenario.robots[name].model]
+        base = () if robot.base is None else lexstack.robots.BASE_JOINTS
+        if limits and not {*base, *robot.arm.joints}.intersection(limits):
             return f"{name} has not {', '.join(limits)}"
     return ""

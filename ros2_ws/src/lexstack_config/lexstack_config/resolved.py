@@ -33,6 +33,7 @@ class ResolvedScenario:
         """Raise ConfigurationError for a robot or stack that is named but not there."""
         for name, placement in self.scenario.robots.items():
             _known(f"{where}: robots.{name}.model", placement.model, self.robots)
+        self._check_bases(where)
         self._check_stack(f"{where}: initial_stack", self.scenario.initial_stack)
         for i, event in enumerate(self.scenario.events):
             if event.switch:
@@ -44,6 +45,28 @@ class ResolvedScenario:
                 f"{where}: initial_stack: {self.scenario.initial_stack!r} leaves "
                 f"{', '.join(left)} without a stack"
             )
+
+    def _check_bases(self, where: str) -> None:
+        """Raise ConfigurationError for a base that a robot has not, or a base in the air."""
+        scenario = self.scenario
+        mounted = {
+            name for name, place in scenario.robots.items() if self.robots[place.model].base is None
+        }
+        asked = [("base_target", scenario.base_target)]
+        asked += [
+            (f"events[{i}].base_target", e.base_target) for i, e in enumerate(scenario.events)
+        ]
+        for i, stream in enumerate(scenario.streams):
+            if stream.target == "base":
+                asked.append((f"streams[{i}].target", {stream.robot: stream.swing}))
+        for key, targets in asked:
+            for name in mounted.intersection(targets):
+                raise ConfigurationError(f"{where}: {key}: robot {name!r} has no base")
+        for name, place in scenario.robots.items():
+            if name not in mounted and place.z:
+                raise ConfigurationError(
+                    f"{where}: robots.{name}.z: only a robot without a base has a height"
+                )
 
     def _check_stack(self, where: str, name: str) -> None:
         """Raise ConfigurationError for a stack that is not there, or does not fit."""

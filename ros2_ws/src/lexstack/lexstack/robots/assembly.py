@@ -53,6 +53,13 @@ def build_arm(config: RobotConfig, description: Description) -> tuple[pin.Model,
             f"robot {config.name}: joints {arm.joints} are not the movable joints of the URDF: "
             f"{moving}"
         )
+    for i, joint in enumerate(arm.joints):
+        after = {model.names[k] for k in model.supports[model.getJointId(joint)]}
+        late = next((name for name in arm.joints[i + 1 :] if name in after), None)
+        if late is not None:  # how tasks bend is worked out along the chain, in the order of chi
+            raise ModelError(
+                f"robot {config.name}: arm.joints: {late!r} carries {joint!r} and must come first"
+            )
     return model, {name: mimics[name] for name in model.names[1:] if name in mimics}
 
 

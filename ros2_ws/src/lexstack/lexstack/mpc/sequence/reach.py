@@ -46,7 +46,10 @@ class Reach:
         lower, upper = limits.position_lower, limits.position_upper
         home = robot.home((0.0, 0.0, 0.0))
         # Seeded: the same goal gets the same answer in every process and run.
-        drawn = np.random.default_rng(0).uniform(lower[3:], upper[3:], (_STARTS - 1, robot.n - 3))
+        # A joint without limits is drawn from one turn.
+        least = np.where(np.isfinite(lower), lower, -np.pi)[3:]
+        most = np.where(np.isfinite(upper), upper, np.pi)[3:]
+        drawn = np.random.default_rng(0).uniform(least, most, (_STARTS - 1, robot.n - 3))
         self._starts = np.vstack((home, np.hstack((np.zeros((_STARTS - 1, 3)), drawn))))
         self._lower, self._upper = lower, upper
 
