@@ -158,7 +158,7 @@ def _copy_limits(
 def _turning(full: pin.Model, joint: int) -> pin.JointModel:
     """Return a revolute joint about the axis of a continuous one."""
     jacobian = pin.computeJointJacobian(full, full.createData(), pin.neutral(full), joint)
-    axis: Vector = jacobian[3:, full.joints[joint].idx_v]
+    axis: Vector = jacobian.reshape(6, full.nv)[3:, full.joints[joint].idx_v]
     aligned = (pin.JointModelRX, pin.JointModelRY, pin.JointModelRZ)
     for i, make in enumerate(aligned):
         if (axis == np.eye(3)[i]).all():
@@ -181,6 +181,10 @@ def _tree(text: str, where: str) -> ET.Element:
         if kind not in _TYPES:
             known = ", ".join(_TYPES)
             raise ModelError(f"{where}: joint {name!r}: of type {kind}; known: {known} and mimic")
+        limit = joint.find("limit")
+        for key, value in ({} if limit is None else limit.attrib).items():
+            if not all(map(math.isfinite, _numbers(value) or (math.nan,))):
+                raise ModelError(f"{where}: joint {name!r}: limit: {key}: got {shown(value)}")
         axis = joint.find("axis")
         if kind == "planar" and axis is not None and _numbers(axis.get("xyz"))[:2] != (0.0, 0.0):
             raise ModelError(f"{where}: joint {name!r}: planar, but not in the plane of x and y")
