@@ -156,7 +156,7 @@ def _convert_union(hint: Any, value: object, where: str) -> Any:
             return _convert(option, value, where)
         except ConfigurationError as error:
             errors.append(error)
-    looks = {list: tuple, tuple: tuple, dict: dict}.get(type(value))
+    looks = tuple if isinstance(value, list | tuple) else dict if isinstance(value, dict) else None
     alike = [
         error
         for option, error in zip(options, errors, strict=True)
