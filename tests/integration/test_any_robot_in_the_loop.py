@@ -77,3 +77,26 @@ def test_the_mpc_refuses_a_robot_without_a_base_in_one_line():
     robot = lexstack.RobotModel("arm", load_robot(CONFIG / "robots" / "panda.yaml"))
     with pytest.raises(lexstack.ModelError, match=r"^robot arm: has no base, and the MPC needs"):
         lexstack.Htmpc(robot, lexstack.DEFAULT_HTMPC)
+
+
+@pytest.mark.parametrize("name", ["tiago", "pr2"])
+def test_the_mpc_serves_a_sequence_with_a_robot_that_drives(name):
+    robot = lexstack.RobotModel(name, load_robot(CONFIG / "robots" / f"{name}.yaml"))
+    team = lexstack.Team((robot,), dt=0.1)
+    state = lexstack.RobotState.at_rest(team.home())
+    goal = tuple(team.tools(state.q)[0].position + np.array([1.0, 0.3, 0.1]))
+    tasks = (
+        lexstack.SequenceTask("reach", "ee_position", (goal,), tolerance=0.01),
+        lexstack.SequenceTask("park", "base_position", ((2.0, 0.5),), tolerance=0.05),
+    )
+    runner = lexstack.SequenceRunner(team, 0, lexstack.DEFAULT_HTMPC)
+    runner.begin(tasks, lexstack.HT_ARCH, state)
+    reached = np.inf
+    while not (progress := runner.step(state)).sequence.done and state.stamp < 15.0:
+        reached = min(reached, np.linalg.norm(team.tools(state.q)[0].position - goal))
+        q, v, _ = progress.plan.sample(state.stamp + team.dt)
+        tick = state.tick + 1
+        state = lexstack.RobotState(tick, tick * team.dt, q, v, q, v)
+    assert progress.sequence.done
+    assert reached < 0.01
+    np.testing.assert_allclose(state.q[:2], [2.0, 0.5], atol=0.05)

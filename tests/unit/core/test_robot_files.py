@@ -1,6 +1,8 @@
 """Robot files: what they may leave out, and what is refused in one line with file and key."""
 
+import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
@@ -8,8 +10,9 @@ import pytest
 import yaml
 
 from lexstack.errors import ConfigurationError, LexstackError
-from lexstack.robots import RobotModel, SphereConfig, Team, robot_from_urdf
+from lexstack.robots import RobotConfig, RobotModel, SphereConfig, Team, robot_from_urdf
 from lexstack.types import RobotState
+from lexstack_config.reader import build, plain
 from lexstack_config.resolved import load_robot
 from support.plain_urdf import urdfs
 
@@ -173,7 +176,9 @@ def test_what_does_not_fit_the_urdf_is_refused_when_the_model_is_built(tmp_path,
 
 
 def test_descriptions_come_as_text_packages_and_models(tmp_path, monkeypatch):
-    by_text = robot_from_urdf(TWO)
+    by_text = robot_from_urdf(TWO.replace("<joint", "\r\n\t<joint"))
+    text = yaml.safe_dump(plain(by_text.config))
+    assert build(RobotConfig, yaml.safe_load(text), "bag") == by_text.config
     file = tmp_path / "share" / "mine" / "urdf" / "r.urdf"
     file.parent.mkdir(parents=True)
     file.write_text(TWO)
@@ -219,10 +224,10 @@ def test_links_and_joints_may_have_the_names_of_ours():
     urdf = TWO.replace('"l1"', '"tool"').replace('"l2"', '"b"').replace('"l0"', '"base"')
     robot = robot_from_urdf(urdf, tool="b", joints=["a"])
     q = np.array([0.3])
-    plain = robot_from_urdf(TWO, joints=["a"], tool="l2")
-    assert (robot.tool(q)[1] == plain.tool(q)[1]).all()
+    known = robot_from_urdf(TWO, joints=["a"], tool="l2")
+    assert (robot.tool(q)[1] == known.tool(q)[1]).all()
     middle, _ = robot.at(q, robot.frame("arm_tool"))
-    expected, _ = plain.at(q, plain.frame("l1"))
+    expected, _ = known.at(q, known.frame("l1"))
     assert (middle.position == expected.position).all()
     with pytest.raises(LexstackError, match="no frame 'tol'; there is: tool"):
         robot.frame("tol")
@@ -253,8 +258,8 @@ def test_frames_of_a_tick_are_worked_out_once_and_hold(monkeypatch):
 
 def test_spheres_on_links_that_follow_move_with_what_they_follow():
     config = {"link": "panda_rightfinger", "xyz": (0.0, 0.0, 0.02), "radius": 0.01}
-    plain = robot_from_urdf(urdfs()["panda_description/urdf/panda.urdf"], name="one")
-    robot = RobotModel("one", replace(plain.config, spheres=(SphereConfig(**config),)))
+    known = robot_from_urdf(urdfs()["panda_description/urdf/panda.urdf"], name="one")
+    robot = RobotModel("one", replace(known.config, spheres=(SphereConfig(**config),)))
     team = Team((robot,), 0.01)
     rng = np.random.default_rng(0)
     q = rng.uniform(robot.limits.position_lower, robot.limits.position_upper)
@@ -283,3 +288,17 @@ def test_a_robot_may_have_a_single_joint():
     assert robot.mass_matrix(q).shape == (1, 1)
     spheres = replace(robot.config, spheres=(SphereConfig("l1", (0.2, 0.0, 0.0), 0.1),))
     assert Team((RobotModel("r", spheres),), 0.01).spheres(q).twists.shape == (6, 1)
+
+
+def test_a_xacro_file_is_expanded_where_the_package_is_there(tmp_path, monkeypatch):
+    seen = []
+
+    def process_file(path):
+        seen.append(path)
+        return SimpleNamespace(toxml=lambda: TWO)
+
+    monkeypatch.setitem(sys.modules, "xacro", SimpleNamespace(process_file=process_file))
+    file = tmp_path / "r.urdf.xacro"
+    file.write_text("<robot/>")
+    assert robot_from_urdf(file).joints == ("a", "b")
+    assert set(seen) == {str(file)}
