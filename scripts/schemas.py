@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from lexstack.mpc import HtmpcConfig
-from lexstack.robots import RobotConfig
+from lexstack.robots import RobotFile
 from lexstack.tasks import StackConfig
 from lexstack_bringup.hosts import HostsConfig
 from lexstack_config.json_schema import json_schema
@@ -17,7 +17,7 @@ from lexstack_experiments.baselines.htidkc import HtidkcConfig
 
 CONFIG = Path(__file__).resolve().parent.parent / "config"
 KINDS = {
-    "robots": RobotConfig,
+    "robots": RobotFile,
     "stacks": StackConfig,
     "scenarios": ScenarioConfig,
     "htmpc": HtmpcConfig,

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
 from pathlib import Path
-
-import pytest
 
 from lexstack.robots import FrameConfig, Team
 from lexstack_config.parts import build_team
 from lexstack_config.resolved import ResolvedScenario, load_robot
 from support.scenario import CONFIG, resolved
 
-_DESCRIPTION = "lift.urdf"
 JOINTS = ("lift", "a1", "a2", "a3")
 _AXES = {"a1": "0 0 1", "a2": "0 1 0", "a3": "0 1 0"}
 _LIMITS = {
@@ -40,17 +36,11 @@ def urdf() -> str:
     return f'<robot name="lift">{links}{joints}</robot>'
 
 
-def lift_scenario(patch: pytest.MonkeyPatch, folder: Path) -> ResolvedScenario:
-    """Return a scenario with this robot; its description is found as long as the patch holds."""
+def lift_scenario(folder: Path) -> ResolvedScenario:
+    """Return a scenario with this robot, its description in ``folder``."""
     file = folder / "share" / "robots" / "lift" / "urdf" / "lift.urdf"  # as deep as a package's
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(urdf(), encoding="utf-8")
-    for module in ("lexstack.robots.assembly", "lexstack_sim.meshes", "lexstack_sim.urdf"):
-        plain = importlib.import_module(module).description_path
-        patch.setattr(
-            f"{module}.description_path",
-            lambda path, plain=plain: file if path == _DESCRIPTION else plain(path),
-        )
     known = load_robot(CONFIG / "robots" / "panda_summit.yaml")
     lists = {
         name: getattr(known.arm, name)[:4]
@@ -61,7 +51,7 @@ def lift_scenario(patch: pytest.MonkeyPatch, folder: Path) -> ResolvedScenario:
     }
     arm = replace(
         known.arm,
-        description=_DESCRIPTION,
+        description=str(file),
         root="l_root",
         joints=JOINTS,
         fixed={},
@@ -77,6 +67,6 @@ def lift_scenario(patch: pytest.MonkeyPatch, folder: Path) -> ResolvedScenario:
     return replace(resolved(), scenario=scenario, robots={"lift": robot})
 
 
-def lift_team(patch: pytest.MonkeyPatch, folder: Path) -> Team:
+def lift_team(folder: Path) -> Team:
     """Return that robot as a team of one."""
-    return build_team(lift_scenario(patch, folder))
+    return build_team(lift_scenario(folder))

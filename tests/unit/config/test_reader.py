@@ -49,7 +49,7 @@ BREAKS = {
     "seed: expected int, got True": {"seed": True},
     "robots: at least one robot": {"robots": {}},
     "robots: expected a mapping": {"robots": [1]},
-    "robots.robot_a: key 'base' is missing": {"robots": {"robot_a": {"model": "panda_summit"}}},
+    "robots.robot_a: key 'model' is missing": {"robots": {"robot_a": {"base": [0, 0, 0]}}},
     "robots.robot_a: base: expected 3 values, got 2": {
         "robots": {"robot_a": {"model": "panda_summit", "base": [0.0, 0.0]}}
     },

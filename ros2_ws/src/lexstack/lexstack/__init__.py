@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     )
     from lexstack.references import References, ReferenceSchedule, Target
     from lexstack.robots import (
+        BaseConfig,
         Kinematics,
         ObstacleConfig,
         Obstacles,
@@ -78,6 +79,7 @@ if TYPE_CHECKING:
         RobotModel,
         Team,
         mobile_manipulator,
+        robot_from_urdf,
     )
     from lexstack.tasks import (
         TASKS,
@@ -116,8 +118,8 @@ else:
             "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH Htmpc HtmpcConfig Objective "
             "Plan SequenceRunner SequenceTask Start CollisionScene",
             "references": "ReferenceSchedule References Target",
-            "robots": "Kinematics ObstacleConfig Obstacles Pose RobotConfig "
-            "RobotModel Team mobile_manipulator",
+            "robots": "BaseConfig Kinematics ObstacleConfig Obstacles Pose RobotConfig "
+            "RobotModel Team mobile_manipulator robot_from_urdf",
             "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack "
             "register_task",
             "transition": "METHODS Announcement Phase SourceSample SourceSchedule "
@@ -134,6 +136,7 @@ __all__ = [
     "ST_ARCH",
     "TASKS",
     "Announcement",
+    "BaseConfig",
     "Bounds",
     "CollisionScene",
     "Command",
@@ -196,5 +199,6 @@ __all__ = [
     "register_method",
     "register_solver",
     "register_task",
+    "robot_from_urdf",
     "viable_bounds",
 ]

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+import lexstack.robots
 from lexstack.errors import ConfigurationError
 from lexstack.options import shown
 from lexstack.robots import RobotConfig
 from lexstack.tasks import StackConfig
+from lexstack_config.folders import Folders
 from lexstack_config.reader import build, read_yaml
 from lexstack_config.scenario import ScenarioConfig
 
@@ -25,14 +27,14 @@ def load_stack(path: Path) -> StackConfig:
 
 
 def available(
-    folder: Path, scenario: ScenarioConfig, robots: Mapping[str, RobotConfig], where: str
+    folders: Folders, scenario: ScenarioConfig, robots: Mapping[str, RobotConfig], where: str
 ) -> tuple[dict[str, StackConfig], dict[str, str]]:
     """Return the stacks that a scenario can ask for, and by name why the other files do not fit.
 
     A file that the scenario does not name must not keep it from running, whatever is in it.
 
     Args:
-        folder: of the configuration, with ``stacks/``.
+        folders: of the configuration, with ``stacks/``.
         scenario: with its robots, and the stacks that it names.
         robots: by model name.
         where: the scenario's file.
@@ -42,14 +44,17 @@ def available(
             scenario has not.
     """
     stacks, unfit = {}, {}
-    for path in sorted((folder / "stacks").glob("*.yaml")):
-        name, wanted = path.stem, path.stem in scenario.stacks_named
+    there = folders.all("stacks", [name for name in scenario.stacks_named if name.strip("/.")])
+    for name, path in there.items():
+        wanted = name in scenario.stacks_named
+        if wanted and not path.exists():
+            continue  # it is missed where it is asked for
         try:
             stack = load_stack(path)
         except ConfigurationError as error:
             if wanted:
                 raise
-            unfit[name] = without_folder(str(error), folder)
+            unfit[name] = without_folder(str(error), path.parent.parent)
             continue
         absent = [robot for robot in stack.named if robot not in scenario.robots]
         if absent and wanted:
@@ -81,7 +86,8 @@ def _for_others(
 ) -> str:
     """Return which joints a stack limits of a robot that has not a single one of them, or ''."""
     for name, limits in stack.limits.items():
-        arm = robots[scenario.robots[name].model].arm.joints
-        if limits and not any(joint in arm or joint.startswith("base_") for joint in limits):
+        robot = robots[scenario.robots[name].model]
+        base = () if robot.base is None else lexstack.robots.BASE_JOINTS
+        if limits and not {*base, *robot.arm.joints}.intersection(limits):
             return f"{name} has not {', '.join(limits)}"
     return ""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import yaml
 
+import lexstack.robots
 from lexstack.errors import ConfigurationError
 from lexstack.mpc import HtmpcConfig
 from lexstack.options import shown
@@ -15,6 +16,7 @@ from lexstack.robots import RobotConfig
 from lexstack.tasks import StackConfig
 from lexstack_config.available import available, load_stack
 from lexstack_config.extensions import load_extensions
+from lexstack_config.folders import Folders
 from lexstack_config.reader import build, parse_yaml, plain, read_yaml
 from lexstack_config.scenario import ScenarioConfig
 
@@ -33,6 +35,7 @@ class ResolvedScenario:
         """Raise ConfigurationError for a robot or stack that is named but not there."""
         for name, placement in self.scenario.robots.items():
             _known(f"{where}: robots.{name}.model", placement.model, self.robots)
+        self._check_bases(where)
         self._check_stack(f"{where}: initial_stack", self.scenario.initial_stack)
         for i, event in enumerate(self.scenario.events):
             if event.switch:
@@ -44,6 +47,34 @@ class ResolvedScenario:
                 f"{where}: initial_stack: {self.scenario.initial_stack!r} leaves "
                 f"{', '.join(left)} without a stack"
             )
+
+    def _check_bases(self, where: str) -> None:
+        """Raise ConfigurationError for a base that a robot has not, or a base in the air."""
+        scenario = self.scenario
+        mounted = {
+            name for name, place in scenario.robots.items() if self.robots[place.model].base is None
+        }
+        asked = [("base_target", scenario.base_target)]
+        asked += [
+            (f"events[{i}].base_target", e.base_target) for i, e in enumerate(scenario.events)
+        ]
+        for i, stream in enumerate(scenario.streams):
+            if stream.target == "base":
+                asked.append((f"streams[{i}].target", {stream.robot: stream.swing}))
+        for key, targets in asked:
+            for name in mounted.intersection(targets):
+                raise ConfigurationError(f"{where}: {key}: robot {name!r} has no base")
+        for name, sequence in scenario.sequences.items():
+            if sequence.robot in mounted:
+                raise ConfigurationError(
+                    f"{where}: sequences.{name}: robot {sequence.robot!r} has no base, "
+                    "and the MPC needs one"
+                )
+        for name, place in scenario.robots.items():
+            if name not in mounted and place.z:
+                raise ConfigurationError(
+                    f"{where}: robots.{name}.z: only a robot without a base has a height"
+                )
 
     def _check_stack(self, where: str, name: str) -> None:
         """Raise ConfigurationError for a stack that is not there, or does not fit."""
@@ -72,8 +103,13 @@ class ResolvedScenario:
         return build(cls, tree, where)
 
 
-def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
-    """Return a scenario file with its robots and the stacks of the configuration folder.
+def load_scenario(
+    path: Path, config: Path | None = None, first: Sequence[Path] = ()
+) -> ResolvedScenario:
+    """Return a scenario file with its robots and the stacks of the configuration folders.
+
+    Files are searched for in the folders ``first``, then in the scenario's own, then in ``config``.
+    The ``scenario.yaml`` of a run's folder, which has all of them in it, is read as it is.
 
     A stack file that is wrong, that names robots which the scenario has not, or whose limits are
     for another kind of robot is left out, and ``unfit`` says why; not if the scenario names it.
@@ -81,39 +117,50 @@ def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
     Args:
         path: the scenario's file.
         config: the folder with ``robots/`` and ``stacks/``; default: the one above the scenario's.
+        first: folders of the user's own.
 
     Raises:
         ConfigurationError: a file is missing or wrong, or an extension; the text names the file
             and the key.
     """
-    folder = path.resolve().parent.parent if config is None else config
-    scenario = build(ScenarioConfig, read_yaml(path), str(path))
+    tree = read_yaml(path)
+    if isinstance(tree.get("scenario"), dict):
+        whole = build(ResolvedScenario, tree, str(path))
+        load_extensions(whole.scenario, str(path))
+        return replace(whole, unfit={})
+    folders = Folders.around(path, first, config)
+    scenario = build(ScenarioConfig, tree, str(path))
     load_extensions(scenario, str(path))
     robots = {
-        model: load_robot(folder / "robots" / f"{model}.yaml")
+        model: load_robot(folders.find("robots", model))
         for model in dict.fromkeys(place.model for place in scenario.robots.values())
     }
-    stacks, unfit = available(folder, scenario, robots, str(path))
-    parameters = _parameters(folder / "htmpc", scenario)
+    stacks, unfit = available(folders, scenario, robots, str(path))
+    parameters = _parameters(folders, scenario)
     resolved = ResolvedScenario(scenario, robots, stacks, parameters, unfit)
     resolved.validate(str(path))
     return resolved
 
 
-def _parameters(folder: Path, scenario: ScenarioConfig) -> dict[str, HtmpcConfig]:
+def _parameters(folders: Folders, scenario: ScenarioConfig) -> dict[str, HtmpcConfig]:
     """Return the parameters of the HTMPC that a scenario names, if it runs one."""
     if not scenario.plans:
         return {}
     name = scenario.htmpc.parameters
-    return {name: load_htmpc(folder / f"{name}.yaml")}
+    return {name: load_htmpc(folders.find("htmpc", name))}
 
 
 def load_robot(path: Path) -> RobotConfig:
-    """Return one robot file."""
-    config = build(RobotConfig, read_yaml(path), str(path))
-    if config.name != path.stem:
-        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(config.name)}")
-    return config
+    """Return one robot file, with every value in it that the file leaves out.
+
+    Raises:
+        ConfigurationError: the file or the URDF is missing or wrong; the text names file and key.
+    """
+    # By way of the package, which loads pinocchio now: a recorder has no need of it.
+    file = build(lexstack.robots.RobotFile, read_yaml(path), str(path))
+    if file.name != path.stem:
+        raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(file.name)}")
+    return lexstack.robots.completed(file, str(path), path.resolve().parent)
 
 
 def load_stacks(folder: Path) -> dict[str, StackConfig]:

@@ -45,10 +45,17 @@ _LONGEST = 1e6  # s, 11 days
 
 @dataclass(frozen=True, slots=True)
 class PlacementConfig:
-    """One robot of the scenario: its kind, and where its base starts."""
+    """One robot of the scenario: its kind, and where its base starts, or is mounted."""
 
     model: Name  # a name of config/robots
-    base: Finite3  # x [m], y [m], yaw [rad] in the world frame
+    base: Finite3 = (0.0, 0.0, 0.0)  # x [m], y [m], yaw [rad] in the world frame
+    z: Finite = 0.0  # m, height of the mounting of a robot without a base
+
+    @property
+    def mounting(self) -> tuple[float, float, float, float]:
+        """Where a robot without a base stands in the world: x, y, z [m], yaw [rad]."""
+        x, y, yaw = self.base
+        return x, y, self.z, yaw
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,8 +44,15 @@ class Plant(Protocol):
 class ExactPlant:
     """Robots that follow their command exactly and at once: q(k+1) = q(k) + dt chi."""
 
-    def __init__(self, q: Vector, dt: float) -> None:
-        """Start at rest at q, shape (n,), m and rad; ``dt`` is the control period [s]."""
+    def __init__(self, q: Vector, dt: float, team: Team | None = None) -> None:
+        """Start at rest at q, shape (n,), m and rad.
+
+        Args:
+            q: the configuration.
+            dt: control period [s].
+            team: the robots, where chi is not the derivative of q.
+        """
+        self._team = team
         self._dt = dt
         self._tick = 0
         self._q = q
@@ -63,7 +70,10 @@ class ExactPlant:
         """Advance by one tick; without a command the last one goes on."""
         if chi is not None:
             self._chi = chi.copy()
-        self._q = self._q + self._dt * self._chi
+        if self._team is None:
+            self._q = self._q + self._dt * self._chi
+        else:
+            self._q = self._team.integrate(self._q, self._chi, self._dt)
         self._tick += 1
         return self.state()
 

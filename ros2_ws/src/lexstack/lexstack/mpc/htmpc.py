@@ -7,7 +7,7 @@ from time import perf_counter
 
 import numpy as np
 
-from lexstack.errors import InputError
+from lexstack.errors import InputError, ModelError
 from lexstack.mpc.barriers import LimitBarrier
 from lexstack.mpc.collision_cost import Collisions, CollisionScene
 from lexstack.mpc.double_integrator import Horizon
@@ -62,8 +62,10 @@ class Htmpc:
                 where the configuration says so; None: all.
 
         Raises:
-            ModelError: the robot has a joint or a sphere that cannot be.
+            ModelError: the robot has no base, or a joint or a sphere that cannot be.
         """
+        if not robot.has_base:
+            raise ModelError(f"robot {robot.name}: has no base, and the MPC needs one")
         chosen = tuple(range(len(robot.config.spheres))) if spheres is None else spheres
         limits = robot.limits
         self.config = config

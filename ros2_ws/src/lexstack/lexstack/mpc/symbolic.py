@@ -46,7 +46,10 @@ def stage_function(robot: RobotModel, spheres: tuple[int, ...] = ()) -> ca.Funct
     """
     model = robot.pinocchio
     axes = [_axis(robot, joint) for joint in range(1, model.njoints)]
-    q = ca.SX.sym("q", model.nq)
+    independent = ca.SX.sym("q", robot.n)
+    q = independent
+    if robot.map is not None:
+        q = ca.mtimes(ca.sparsify(ca.DM(robot.map.matrix)), q) + ca.DM(robot.map.offset)
     rotations, origins = _placements(model, axes, q)
     frame = model.frames[model.getFrameId("tool")]
     tool = _Point(frame.parentJoint, frame.placement.translation)
@@ -55,17 +58,22 @@ def stage_function(robot: RobotModel, spheres: tuple[int, ...] = ()) -> ca.Funct
     points = [_sphere(robot, place) for place in spheres]
     centers = [_place(rotations, origins, point) for point in points]
     slopes = [_columns(model, axes, rotations, origins, point).T for point in points]
+    jacobian = ca.horzcat(columns.T, angular.T)
+    if robot.map is not None:
+        follows = ca.sparsify(ca.DM(robot.map.matrix.T))
+        jacobian = ca.mtimes(follows, jacobian)
+        slopes = [ca.mtimes(follows, slope) for slope in slopes]
     turned = rotations[tool.joint] @ frame.placement.rotation
     outputs = [
         _place(rotations, origins, tool),
         ca.reshape(turned.T, 9, 1),
-        ca.horzcat(columns.T, angular.T),
+        jacobian,
         ca.vertcat(*centers) if centers else ca.SX(0, 1),
-        ca.horzcat(*slopes) if slopes else ca.SX(model.nq, 0),
+        ca.horzcat(*slopes) if slopes else ca.SX(robot.n, 0),
     ]
     dense = ca.cse([ca.densify(output) for output in outputs])
     names = ["position", "rotation", "jacobian", "centers", "slopes"]
-    return ca.Function("stage", [q], dense, ["q"], names)
+    return ca.Function("stage", [independent], dense, ["q"], names)
 
 
 def _axis(robot: RobotModel, joint: int) -> _Axis:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from lexstack.robots import Pose, Team
 from lexstack.types import Vector
 
@@ -16,7 +14,8 @@ class References:
 
     Attributes:
         ee: pose of each tool frame.
-        base: x [m], y [m], yaw [rad] of each base, shape (3,) each.
+        base: x [m], y [m], yaw [rad] of each base, shape (3,) each; a robot without one has none
+            that leads anywhere, and its mounting stands here.
         revision: number of the decision that they follow from; 0: of none. While a set-point is
             led in, the references move and the revision stays.
     """
@@ -45,5 +44,4 @@ class Target:
 
 def measured(team: Team, q: Vector) -> References:
     """Return the poses at the stacked configuration q, shape (n,), as references."""
-    bases = tuple(np.array(q[columns][:3], dtype=np.float64) for columns in team.slices)
-    return References(team.tools(q), bases)
+    return References(team.tools(q), team.base_poses(q))

@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
-    from lexstack.robots.assembly import BASE_JOINTS, build_base, description_path
+    from lexstack.robots.assembly import BASE_JOINTS, build_base
     from lexstack.robots.collision_geometry import Spheres
-    from lexstack.robots.from_urdf import mobile_manipulator
+    from lexstack.robots.description import description_path, located, urdf_text
+    from lexstack.robots.from_urdf import mobile_manipulator, robot_from_urdf
     from lexstack.robots.kinematics import Kinematics, Pose
     from lexstack.robots.obstacles import Obstacles
     from lexstack.robots.options import (
@@ -21,20 +22,23 @@ if TYPE_CHECKING:
         WheelsConfig,
     )
     from lexstack.robots.robot import ARM, BASE, RobotModel
+    from lexstack.robots.robot_file import ArmFile, RobotFile, completed
     from lexstack.robots.spatial import from_quaternion, from_rpy, log3, to_quaternion, wrap
     from lexstack.robots.team import Team
 else:
     __getattr__ = on_demand(
         __name__,
         {
-            "assembly": "BASE_JOINTS build_base description_path",
+            "assembly": "BASE_JOINTS build_base",
             "collision_geometry": "Spheres",
-            "from_urdf": "mobile_manipulator",
+            "description": "description_path located urdf_text",
+            "from_urdf": "mobile_manipulator robot_from_urdf",
             "kinematics": "Kinematics Pose",
             "obstacles": "Obstacles",
             "options": "ArmConfig BaseConfig FrameConfig ObstacleConfig "
             "RobotConfig SphereConfig Vector3 WheelsConfig",
             "robot": "ARM BASE RobotModel",
+            "robot_file": "ArmFile RobotFile completed",
             "spatial": "from_quaternion from_rpy log3 to_quaternion wrap",
             "team": "Team",
         },
@@ -45,6 +49,7 @@ __all__ = [
     "BASE",
     "BASE_JOINTS",
     "ArmConfig",
+    "ArmFile",
     "BaseConfig",
     "FrameConfig",
     "Kinematics",
@@ -52,6 +57,7 @@ __all__ = [
     "Obstacles",
     "Pose",
     "RobotConfig",
+    "RobotFile",
     "RobotModel",
     "SphereConfig",
     "Spheres",
@@ -59,11 +65,15 @@ __all__ = [
     "Vector3",
     "WheelsConfig",
     "build_base",
+    "completed",
     "description_path",
     "from_quaternion",
     "from_rpy",
+    "located",
     "log3",
     "mobile_manipulator",
+    "robot_from_urdf",
     "to_quaternion",
+    "urdf_text",
     "wrap",
 ]

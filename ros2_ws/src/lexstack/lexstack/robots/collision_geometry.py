@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from lexstack.errors import ModelError
 from lexstack.options import shown
+from lexstack.robots.joint_map import JointMap
 from lexstack.robots.options import SphereConfig
 from lexstack.types import Matrix, Vector
 
@@ -27,9 +28,11 @@ class Spheres:
         centers: shape (s, 3), m.
         radii: shape (s,), m.
         owners: the place in the team of the robot that each sphere belongs to, shape (s,).
-        moved_by: 1 where a joint of chi moves a sphere, else 0, shape (s, n).
-        twists: per joint of chi the velocity of the body behind it, linear at the world's origin
-            and then angular, as if that body reached there, shape (6, n).
+        moved_by: 1 where a joint moves a sphere, else 0, shape (s, n_all). The joints are those of
+            chi and, of robots with mimicking joints, all that move.
+        twists: per joint the velocity of the body behind it, linear at the world's origin and
+            then angular, as if that body reached there, shape (6, n_all).
+        follows: how all joints' velocities follow chi, shape (n_all, n); None: they are chi.
     """
 
     centers: Matrix
@@ -37,6 +40,7 @@ class Spheres:
     owners: Indices
     moved_by: Matrix
     twists: Matrix
+    follows: Matrix | None = None
 
     def rows(self, spheres: Indices, directions: Matrix) -> Matrix:
         """Return d(u . c)/dq, the rows of chi for the speed of centers c along directions u.
@@ -59,7 +63,7 @@ class Spheres:
         moments -= centers.take(_LAST, axis=1) * directions.take(_NEXT, axis=1)
         rows: Matrix = wrenches @ self.twists
         rows *= self.moved_by.take(spheres, axis=0)
-        return rows
+        return rows if self.follows is None else rows @ self.follows
 
 
 class SphereModel:
@@ -74,11 +78,25 @@ class SphereModel:
         radii: shape (s,), m.
         names: e.g. ``panda_link3[1]``, the second sphere of that link.
         links: the link of each.
-        moved_by: 1 where a joint of the robot moves a sphere, else 0, shape (s, n_robot).
+        moved_by: 1 where a joint of chi moves a sphere, else 0, shape (s, n_robot).
+        moved_by_all: likewise of all joints that move, mimicking ones too, shape (s, n_all).
     """
 
-    def __init__(self, robot: str, model: pin.Model, configs: tuple[SphereConfig, ...]) -> None:
-        """Place the spheres on the joints; raises ModelError for a link that is not there."""
+    def __init__(
+        self,
+        robot: str,
+        model: pin.Model,
+        configs: tuple[SphereConfig, ...],
+        joints_of: JointMap | None = None,
+    ) -> None:
+        """Place the spheres on the joints; raises ModelError for a link that is not there.
+
+        Args:
+            robot: its name, for the texts of errors.
+            model: all of its joints that move.
+            configs: the spheres.
+            joints_of: how these joints follow its q; None: they are q.
+        """
         self.links = tuple(config.link for config in configs)
         self.names = tuple(
             f"{link}[{self.links[:i].count(link)}]" for i, link in enumerate(self.links)
@@ -92,6 +110,11 @@ class SphereModel:
             centers.append(center)
             columns = [model.joints[k].idx_v for k in model.supports[joint] if k > 0]
             self.moved_by[i, columns] = 1.0
+        self._map = joints_of
+        self.moved_by_all = self.moved_by
+        if joints_of is not None:
+            moves = (joints_of.matrix != 0.0).astype(np.float64)
+            self.moved_by = np.minimum(self.moved_by @ moves, 1.0)
         self._n = int(model.nv)
         self._turned, self._moved = _sums(joints, centers)
         self._model = _with_axes(model, sorted(set(joints)))
@@ -99,12 +122,12 @@ class SphereModel:
         self._q: Vector = np.zeros(self._model.nq)
 
     def at(self, q: Vector) -> tuple[Matrix, Matrix]:
-        """Return the centers, shape (3, s) in the world frame, and ``Spheres.twists`` (6, n_robot).
+        """Return the centers, shape (3, s) in the world frame, and ``Spheres.twists`` (6, n_all).
 
         Both hold until the next call.
         """
-        n = self._n
-        self._q[:n] = q
+        n, joints = self._n, self._map
+        self._q[:n] = q if joints is None else joints.positions(q)
         jacobian: Matrix = pin.computeJointJacobians(self._model, self._data, self._q)
         moments, axes = jacobian[:3, n:], jacobian[3:, n:]
         places = moments.take(_LAST, axis=0)

@@ -2,18 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import pinocchio as pin
 
 from lexstack.errors import ModelError
 from lexstack.options import build
-from lexstack.robots.assembly import description_path
-from lexstack.robots.options import ArmConfig, BaseConfig, FrameConfig, RobotConfig, WheelsConfig
-from lexstack.types import Vector
+from lexstack.robots.description import located
+from lexstack.robots.options import BaseConfig, FrameConfig, RobotConfig
+from lexstack.robots.robot import RobotModel
+from lexstack.robots.robot_file import RAMP, ArmFile, RobotFile, completed
+from lexstack.robots.urdf import Description, one_coordinate, read_urdf
 
 _HEIGHT = 0.5  # m, top of the platform
-_RAMP = 0.01  # s, in which a joint reaches its full acceleration: that gives the limit of jerk
+
+
+def robot_from_urdf(
+    description: str | Path | pin.Model,
+    *,
+    name: str = "robot",
+    base: BaseConfig | None = None,
+    tool: str | None = None,
+    tools: Mapping[str, str] | None = None,
+    place: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
+    **arm: Any,
+) -> RobotModel:
+    """Return the robot that a URDF describes.
+
+    Args:
+        description: a path, ``package://NAME/...``, a text, a path below example-robot-data's
+            ``robots`` folder, or a model of pinocchio, in which no joint mimics another.
+        name: of the robot.
+        base: a platform that it stands on; None: it is mounted at ``place``.
+        tool: the link of the default end effector; default: the last one of the only chain.
+        tools: links of other end effectors, by name.
+        place: x, y, z [m], yaw [rad] of the mounting of a robot without a base.
+        arm: other values of ``ArmFile``, such as ``joints=[...]`` or ``acceleration=5.0``.
+
+    Raises:
+        ConfigurationError: a value is missing or wrong; the text names key and joint.
+        ModelError: a frame is not there.
+    """
+    given, path = None, str(description)
+    if isinstance(description, pin.Model):
+        model, continuous = one_coordinate(description, "the model")
+        given, path = Description(model, {}, continuous), ""
+    where = f"robot {name}"
+    file = RobotFile(
+        name,
+        replace(build(ArmFile, {"description": "", **arm}, f"{where}: arm"), description=path),
+        base,
+        None if tool is None else FrameConfig(tool),
+        {key: FrameConfig(link) for key, link in (tools or {}).items()},
+    )
+    return RobotModel(name, completed(file, where, None, given), place, given)
 
 
 def mobile_manipulator(
@@ -24,14 +69,14 @@ def mobile_manipulator(
     acceleration: float = 10.0,
     name: str = "robot",
 ) -> RobotConfig:
-    """Return an arm of example-robot-data on a holonomic platform of 0.7 x 0.6 m.
+    """Return an arm on a holonomic platform of 0.7 x 0.6 m.
 
     Position, velocity and torque limits are those of the URDF. Accelerations, the platform's
     limits and the joints' impedance are round numbers: for a robot that exists, fill in a
     ``RobotConfig``.
 
     Args:
-        description: the URDF, a path below example-robot-data's ``robots`` folder.
+        description: the URDF, as ``robot_from_urdf`` takes it, but for a model.
         tool: the link that tasks of the end effector move.
         home: where the first joints of the URDF start, rad: they are the arm, and joints after
             them, fingers, are held at 0.
@@ -42,52 +87,22 @@ def mobile_manipulator(
         ModelError: there is no such file, or it has not so many joints.
         ConfigurationError: the home is outside the joint limits.
     """
-    model = pin.buildModelFromUrdf(str(description_path(description)))
-    names, n = tuple(model.names[1:]), len(home)
+    names, n = _joints(description), len(home)
     if not 0 < n <= len(names):
         raise ModelError(f"robot {name}: home: {description} has {len(names)} joints, got {n}")
-
-    def of_urdf(values: Vector) -> tuple[float, ...]:
-        return tuple(float(value) for value in values[:n])
-
-    def same(value: float) -> tuple[float, ...]:
-        return (value,) * n
-
-    arm = ArmConfig(
-        description=description,
-        root=model.frames[1].name,
-        mount=FrameConfig("base", (0.0, 0.0, _HEIGHT), (0.0, 0.0, 0.0)),
+    arm = ArmFile(
+        description,
+        mount=FrameConfig("base", (0.0, 0.0, _HEIGHT)),
         joints=names[:n],
         fixed=dict.fromkeys(names[n:], 0.0),
         home=tuple(float(angle) for angle in home),
-        position_lower=of_urdf(model.lowerPositionLimit),
-        position_upper=of_urdf(model.upperPositionLimit),
-        velocity=of_urdf(model.velocityLimit),
-        acceleration=same(acceleration),
-        jerk=same(acceleration / _RAMP),
-        torque=of_urdf(model.effortLimit),
-        torque_rate=same(1000.0),
-        stiffness=same(200.0),
-        damping=same(20.0),
-        armature=same(0.1),
-        q_star_distance=same(0.1),
+        acceleration=acceleration,
+        jerk=acceleration / RAMP,
     )
-    arm = build(ArmConfig, arm, f"robot {name}: arm")
-    return RobotConfig(name, _platform(), arm, FrameConfig(tool, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+    file = RobotFile(name, arm, BaseConfig(), FrameConfig(tool))
+    return completed(file, f"robot {name}")
 
 
-def _platform() -> BaseConfig:
-    """Return a platform of 100 kg that goes at 1 m/s."""
-    return BaseConfig(
-        chassis_size=(0.7, 0.6, 0.4),
-        chassis_height=0.3,
-        chassis_mass=100.0,
-        chassis_inertia=(4.3, 5.4, 7.1),  # of a homogeneous box
-        wheels=WheelsConfig(radius=0.1, width=0.08, x=0.25, y=0.25, mass=5.0),
-        velocity=(1.0, 1.0, 2.0),
-        acceleration=(2.0, 2.0, 4.0),
-        jerk=(200.0, 200.0, 400.0),
-        servo_gain=(1e5, 1e5, 1e4),
-        servo_force=(800.0, 800.0, 400.0),
-        q_star_distance=(0.02, 0.02, 0.02),
-    )
+def _joints(description: str) -> tuple[str, ...]:
+    """Return the joints of a URDF, all that move; raises ModelError where it cannot be read."""
+    return tuple(read_urdf(located(description)).model.names[1:])

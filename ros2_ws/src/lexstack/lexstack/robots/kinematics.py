@@ -33,14 +33,48 @@ class Kinematics:
         jacobians: each robot's tool Jacobian, shape (6, n_robot): linear then angular velocity,
             at the tool's origin, axes parallel to the world (LOCAL_WORLD_ALIGNED).
         spheres_at: returns the collision spheres at a configuration, shape (n,).
+        frames: looks up other frames than the tools, each once; use ``frame``.
     """
 
     state: RobotState
     tools: tuple[Pose, ...]
     jacobians: tuple[Matrix, ...]
     spheres_at: Callable[[Vector], Spheres]
+    frames: Frames
 
     @cached_property
     def spheres(self) -> Spheres:
         """The collision spheres at the measured q, made when first asked for."""
         return self.spheres_at(self.state.q)
+
+    def frame(self, robot: int, name: str) -> tuple[Pose, Matrix]:
+        """Return the pose of any frame of a robot, and its Jacobian, as ``jacobians`` has them.
+
+        Args:
+            robot: its place in the team.
+            name: ``tool``, one of the robot's ``tools``, or any link or joint of its URDF.
+
+        Raises:
+            ModelError: the robot has no such frame.
+        """
+        if name == "tool":
+            return self.tools[robot], self.jacobians[robot]
+        return self.frames(robot, name)
+
+
+class Frames:
+    """Frames at one state: each is worked out when it is first asked for, and kept."""
+
+    __slots__ = ("_find", "_found")
+
+    def __init__(self, find: Callable[[int, str], tuple[Pose, Matrix]]) -> None:
+        """Remember what to call for a frame that is not known yet."""
+        self._find = find
+        self._found: dict[tuple[int, str], tuple[Pose, Matrix]] = {}
+
+    def __call__(self, robot: int, name: str) -> tuple[Pose, Matrix]:
+        """Return a frame's pose and Jacobian; raises ModelError where there is no such frame."""
+        key = robot, name
+        if key not in self._found:
+            self._found[key] = self._find(robot, name)
+        return self._found[key]

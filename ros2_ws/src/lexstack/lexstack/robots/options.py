@@ -1,11 +1,16 @@
-"""What a robot is built from: one mobile manipulator; and what an obstacle is."""
+"""What a robot is built from, every value of it stated; and what an obstacle is.
+
+A robot's file may leave most of this out: ``robot_file.py`` has its schema, and fills in the rest.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
+from typing import Literal
 
 from lexstack.errors import ConfigurationError
-from lexstack.options import Finite, Finite3, NotNegative, Positive, same_length
+from lexstack.options import Finite, Finite3, NotNegative, Positive, Range, same_length
 
 Vector3 = tuple[float, float, float]
 """Along x, y, z; of a platform x, y, yaw."""
@@ -24,53 +29,62 @@ class FrameConfig:
     """A fixed frame: its parent link, and its pose in the parent's frame."""
 
     parent: str  # name of a link
-    xyz: Vector3  # m
-    rpy: Vector3  # rad, roll pitch yaw about fixed axes
+    xyz: Vector3 = (0.0, 0.0, 0.0)  # m
+    rpy: Vector3 = (0.0, 0.0, 0.0)  # rad, roll pitch yaw about fixed axes
 
 
 @dataclass(frozen=True, slots=True)
 class WheelsConfig:
     """Four wheels, for the eye only: they carry no load in the planar model."""
 
-    radius: float  # m
-    width: float  # m
-    x: float  # m, centre to axle
-    y: float  # m, centre to wheel
-    mass: float  # kg, each
+    radius: float = 0.1  # m
+    width: float = 0.08  # m
+    x: float = 0.25  # m, centre to axle
+    y: float = 0.25  # m, centre to wheel
+    mass: float = 5.0  # kg, each
 
 
 @dataclass(frozen=True, slots=True)
 class BaseConfig:
-    """A holonomic platform: planar joints x, y, yaw with velocity servos."""
+    """A holonomic platform: planar joints x, y, yaw with velocity servos.
 
-    chassis_size: _Positive3  # m, length x width x height of the box
-    chassis_height: float  # m, box centre above the floor
-    chassis_mass: Positive  # kg
-    chassis_inertia: _Positive3  # kg m2, about the box centre: ixx, iyy, izz
-    wheels: WheelsConfig  # four of them
-    velocity: _Positive3  # m/s, m/s, rad/s
-    acceleration: _Positive3  # m/s2, m/s2, rad/s2
-    jerk: _Positive3  # m/s3, m/s3, rad/s3
-    servo_gain: _Positive3  # N s/m, N s/m, N m s/rad
-    servo_force: _Positive3  # N, N, N m
-    q_star_distance: _Positive3  # m, m, rad: how far q* may run from q
+    The control needs its velocity, acceleration and jerk alone. Chassis, wheels, servos and
+    ``q_star_distance`` are the simulation's; by default they are those of a platform of 0.7 x 0.6 m
+    and 120 kg.
+    """
+
+    chassis_size: _Positive3 = (0.7, 0.6, 0.4)  # m, length x width x height of the box
+    chassis_height: float = 0.3  # m, box centre above the floor
+    chassis_mass: NotNegative = 100.0  # kg; 0: the URDF has the chassis, no box and wheels here
+    # kg m2, about the box centre: ixx, iyy, izz; the default is a homogeneous box's
+    chassis_inertia: _Positive3 = (4.3, 5.4, 7.1)
+    wheels: WheelsConfig = field(default_factory=WheelsConfig)  # four of them
+    velocity: _Positive3 = (1.0, 1.0, 2.0)  # m/s, m/s, rad/s
+    acceleration: _Positive3 = (2.0, 2.0, 4.0)  # m/s2, m/s2, rad/s2
+    jerk: _Positive3 = (200.0, 200.0, 400.0)  # m/s3, m/s3, rad/s3
+    servo_gain: _Positive3 = (1e5, 1e5, 1e4)  # N s/m, N s/m, N m s/rad
+    servo_force: _Positive3 = (800.0, 800.0, 400.0)  # N, N, N m
+    q_star_distance: _Positive3 = (0.02, 0.02, 0.02)  # m, m, rad: how far q* may run from q
+    type: Literal["holonomic"] = "holonomic"  # which velocities it takes
 
 
 @dataclass(frozen=True, slots=True)
 class ArmConfig:
-    """An arm from a URDF of the package ``example_robot_data``, with its limits and impedance.
+    """All that a URDF moves, one arm or several on a torso, with its limits and impedance.
 
-    For a prismatic joint read m where a list says rad, and N where it says N m.
+    For a prismatic joint read m where a list says rad, and N where it says N m. A planar joint P of
+    the URDF is three joints, P_x, P_y [m] and P_yaw [rad]. Joints that mimic another follow it and
+    are named nowhere, unless ``fixed`` holds one.
     """
 
-    description: str  # path below example_robot_data's robots folder
-    root: str  # the link that is mounted on the base
+    description: str  # a URDF: path, package://NAME/..., text, or below example-robot-data's robots
+    root: str  # the link that is mounted on the base; it must not move
     mount: FrameConfig  # parent: base
     joints: tuple[str, ...]  # controlled joints, in the order of chi
     fixed: dict[str, float]  # the other joints of the URDF and where they are held [rad or m]
     home: tuple[Finite, ...]  # rad
-    position_lower: tuple[Finite, ...]  # rad
-    position_upper: tuple[Finite, ...]  # rad
+    position_lower: tuple[float, ...]  # rad; -inf and inf: without limits, as continuous joints
+    position_upper: tuple[float, ...]  # rad
     velocity: tuple[Positive, ...]  # rad/s
     acceleration: tuple[Positive, ...]  # rad/s2
     jerk: tuple[Positive, ...]  # rad/s3
@@ -90,14 +104,23 @@ class ArmConfig:
         if self.posture is not None:
             same_length(where, len(self.joints), posture=self.posture)
         for i, name in enumerate(self.joints):
-            if not self.position_lower[i] < self.position_upper[i]:
-                raise ConfigurationError(f"{where}: {name}: position_lower >= position_upper")
+            _check_limits(f"{where}: {name}", self.position_lower[i], self.position_upper[i])
             for key in ("home", "posture"):
                 values = getattr(self, key)
                 if values and not self.position_lower[i] <= values[i] <= self.position_upper[i]:
                     raise ConfigurationError(
                         f"{where}: {name}: {key} is outside the position limits"
                     )
+
+
+def _check_limits(where: str, lower: float, upper: float) -> None:
+    """Raise ConfigurationError unless a joint's limits are a range, or it has none at all."""
+    if (lower, upper) == (-math.inf, math.inf):
+        return
+    for key, value in (("position_lower", lower), ("position_upper", upper)):
+        Range().check(value, f"{where}: {key}")
+    if not lower < upper:
+        raise ConfigurationError(f"{where}: position_lower >= position_upper")
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,13 +134,14 @@ class SphereConfig:
 
 @dataclass(frozen=True, slots=True)
 class RobotConfig:
-    """One kind of robot: base, arm, and the tool frame that end-effector tasks move."""
+    """One kind of robot: base, arm, and the frames that end-effector tasks move."""
 
     name: str  # of its file
-    base: BaseConfig  # the platform
-    arm: ArmConfig  # what it carries
-    tool: FrameConfig  # parent: a link of the arm
+    base: BaseConfig | None  # None: it stands on a table or hangs on a wall, and does not drive
+    arm: ArmConfig  # what moves but the base
+    tool: FrameConfig  # parent: a link of the arm; the frame ``tool``, the default end effector
     spheres: tuple[SphereConfig, ...] = ()  # none: it takes no part in any distance
+    tools: dict[str, FrameConfig] = field(default_factory=dict)  # other end effectors, by name
 
 
 @dataclass(frozen=True, slots=True)

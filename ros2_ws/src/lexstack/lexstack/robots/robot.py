@@ -2,73 +2,138 @@
 
 from __future__ import annotations
 
+import difflib
+from functools import cached_property
+
 import numpy as np
 import pinocchio as pin
 
+from lexstack.errors import ModelError
 from lexstack.limits.joint_limits import JointLimits
-from lexstack.robots.assembly import BASE_JOINTS, build_robot
+from lexstack.options import shown
+from lexstack.robots.assembly import BASE_JOINTS, TOOL, build_robot, frame_index
 from lexstack.robots.collision_geometry import SphereModel
+from lexstack.robots.joint_map import JointMap, joint_map
 from lexstack.robots.kinematics import Pose
 from lexstack.robots.options import RobotConfig
+from lexstack.robots.spatial import from_rpy
+from lexstack.robots.urdf import Description, slides
 from lexstack.types import Matrix, Vector
 
 BASE = slice(0, 3)
-"""The platform's joints in a robot's own vectors."""
+"""The joints of a platform in the vectors of a robot that has one; of any: ``RobotModel.base``."""
 
 ARM = slice(3, None)
-"""The arm's joints in them."""
-
-_PRISMATIC = ("JointModelPX", "JointModelPY", "JointModelPZ")
+"""Its other joints; of any robot: ``RobotModel.arm``."""
 
 
 class RobotModel:
-    """Kinematics and limits of one mobile manipulator.
+    """Kinematics, inertia and limits of one robot.
+
+    Its q is a plain vector of the positions of its controlled joints, of the same length as its
+    part of chi. A joint that turns without limits has one entry, an unwrapped angle: q is never
+    taken modulo 2 pi, and a robot that turned once is at another q than before.
 
     Attributes:
         name: the robot's name, unique in its team.
         config: what it was built from.
-        pinocchio: the model, base x, y, yaw in the world frame and then the arm.
-        joints: names of its joints in the order of its part of chi.
-        limits: shape (n,) each; bases have no position limits.
+        pinocchio: the model of all joints that move, mimicking ones too; its configuration is
+            ``positions(q)``. A base's x, y, yaw in the world frame come first.
+        joints: names of its controlled joints in the order of its part of chi.
+        limits: shape (n,) each; bases and continuous joints have no position limits.
+        base: the base's joints in its own vectors; empty where it has no base.
+        arm: all others.
+        map: how the joints of ``pinocchio`` follow q; None: they are q.
+        mounting: where the robot's base, or what an arm without base stands on, is at q = 0.
         spheres: that stand for it where distances are kept.
     """
 
-    def __init__(self, name: str, config: RobotConfig) -> None:
-        """Build the model; raises ModelError where configuration and description disagree."""
+    def __init__(
+        self,
+        name: str,
+        config: RobotConfig,
+        place: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
+        description: Description | None = None,
+    ) -> None:
+        """Build the model.
+
+        Args:
+            name: of the robot.
+            config: of its kind.
+            place: of a robot without a base: x, y, z [m] and yaw [rad] of its mounting in the
+                world. A robot with a base is where its q says.
+            description: in place of the URDF that the configuration names.
+
+        Raises:
+            ModelError: configuration and description disagree.
+        """
         self.name = name
         self.config = config
-        self.pinocchio: pin.Model = build_robot(config)
-        self.joints: tuple[str, ...] = (*BASE_JOINTS, *config.arm.joints)
+        x, y, z, yaw = place
+        self.mounting = Pose(np.array([x, y, z]), from_rpy((0.0, 0.0, yaw)))
+        self._place: Vector = np.array([x, y, yaw])
+        if config.base is not None:
+            self.mounting = Pose(np.zeros(3), np.eye(3))
+        mounting = pin.SE3(self.mounting.rotation, self.mounting.position)
+        model, mimics = build_robot(config, mounting, description)
+        self.pinocchio: pin.Model = model
+        base = () if config.base is None else BASE_JOINTS
+        self.joints: tuple[str, ...] = (*base, *config.arm.joints)
+        self.base = slice(0, len(base))
+        self.arm = slice(len(base), len(self.joints))
+        self.map: JointMap | None = joint_map(model.names[1:], self.joints, mimics)
         self.limits = _limits(config)
-        self.spheres = SphereModel(name, self.pinocchio, config.spheres)
-        self._data: pin.Data = self.pinocchio.createData()
-        self._tool: int = self.pinocchio.getFrameId("tool")
+        self.spheres = SphereModel(name, model, config.spheres, self.map)
+        self._data: pin.Data = model.createData()
+        self._tool: int = model.getFrameId(TOOL)
+        self._frames: dict[str, int] = {TOOL: self._tool}
 
     @property
     def n(self) -> int:
-        """Number of joints, base included."""
+        """Number of controlled joints, base included: the length of its part of chi."""
         return len(self.joints)
 
     @property
+    def nq(self) -> int:
+        """Length of its q."""
+        return len(self.joints)
+
+    @property
+    def has_base(self) -> bool:
+        """Whether it drives."""
+        return self.config.base is not None
+
+    @cached_property
     def prismatic(self) -> tuple[bool, ...]:
         """Whether each joint slides, in the order of ``joints``.
 
         Its position is then in m and its velocity in m/s, of the others in rad and rad/s.
         """
-        slides = [False] * self.n
-        for joint in self.pinocchio.joints[1:]:
-            name = joint.shortname()
-            slides[joint.idx_v] = name in _PRISMATIC or "Prismatic" in name
-        return tuple(slides)
+        model = self.pinocchio
+        return tuple(slides(model, model.getJointId(name)) for name in self.joints)
 
-    def home(self, base: tuple[float, float, float]) -> Vector:
-        """Return the home configuration with the base at x [m], y [m], yaw [rad], shape (n,)."""
-        return np.array([*base, *self.config.arm.home])
+    def home(self, base: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Vector:
+        """Return the home configuration with the base at x [m], y [m], yaw [rad], shape (n,).
+
+        A robot without a base stays where it is mounted.
+        """
+        start = base if self.has_base else ()
+        return np.array([*start, *self.config.arm.home])
+
+    def base_pose(self, q: Vector) -> Vector:
+        """Return x [m], y [m], yaw [rad] of the base at q, or of the mounting without one."""
+        return np.array(q[self.base] if self.has_base else self._place, dtype=np.float64)
 
     @property
     def mid_range(self) -> Vector:
-        """The middle of the arm's position limits, (q_max + q_min) / 2, rad."""
-        return 0.5 * (self.limits.position_lower[ARM] + self.limits.position_upper[ARM])
+        """The middle of the arm's position limits, (q_max + q_min) / 2, rad.
+
+        Of a joint without limits, where it is at home.
+        """
+        lower, upper = self.limits.position_lower[self.arm], self.limits.position_upper[self.arm]
+        limited = np.isfinite(lower) & np.isfinite(upper)
+        middle = 0.5 * (np.where(limited, lower, 0.0) + np.where(limited, upper, 0.0))
+        return np.where(limited, middle, self.config.arm.home)
 
     @property
     def posture(self) -> Vector:
@@ -76,19 +141,78 @@ class RobotModel:
         posture = self.config.arm.posture
         return self.mid_range if posture is None else np.array(posture)
 
+    def positions(self, q: Vector) -> Vector:
+        """Return the configuration of ``pinocchio`` at q (n,), mimicking joints included."""
+        return q if self.map is None else self.map.positions(q)
+
+    def integrate(self, q: Vector, chi: Vector, dt: float) -> Vector:
+        """Return where the robot is after it moved at chi for dt [s] from q, shape (nq,)."""
+        return q + dt * chi
+
+    def mass_matrix(self, q: Vector) -> Matrix:
+        """Return the mass matrix of the controlled joints, armatures included, shape (n, n)."""
+        mass = np.triu(pin.crba(self.pinocchio, self._data, self.positions(q)))
+        full: Matrix = mass + np.triu(mass, 1).T
+        return full if self.map is None else self.map.matrix.T @ full @ self.map.matrix
+
+    def frame(self, name: str) -> int:
+        """Return the place of a frame in ``pinocchio``: of ``tools``, ``tool``, or of the URDF.
+
+        Raises:
+            ModelError: there is no such frame.
+        """
+        if name not in self._frames:
+            found = frame_index(self.pinocchio, name)
+            if found is None:
+                known = sorted({frame.name for frame in self.pinocchio.frames})
+                near = ", ".join(difflib.get_close_matches(name, known)) or ", ".join(known[:10])
+                raise ModelError(f"robot {self.name}: no frame {shown(name)}; there is: {near}")
+            self._frames[name] = found
+        return self._frames[name]
+
     def tool(self, q: Vector) -> tuple[Pose, Matrix]:
         """Return the tool's pose and its Jacobian (6, n), LOCAL_WORLD_ALIGNED, at q (n,)."""
+        return self.at(q, self._tool)
+
+    def at(self, q: Vector, frame: int) -> tuple[Pose, Matrix]:
+        """Return a frame's pose and its Jacobian at q (n,).
+
+        Args:
+            q: the configuration, shape (n,).
+            frame: as ``frame`` returned it.
+
+        Returns:
+            the pose in the world frame, and the Jacobian (6, n): linear velocity of the frame's
+            origin, then angular velocity, axes parallel to the world (LOCAL_WORLD_ALIGNED).
+        """
+        joints = self.map
         jacobian = pin.computeFrameJacobian(
-            self.pinocchio, self._data, q, self._tool, pin.LOCAL_WORLD_ALIGNED
+            self.pinocchio,
+            self._data,
+            q if joints is None else joints.positions(q),
+            frame,
+            pin.LOCAL_WORLD_ALIGNED,
         )
         # computeFrameJacobian places the joints but not the frame.
-        pose = pin.updateFramePlacement(self.pinocchio, self._data, self._tool)
+        pose = pin.updateFramePlacement(self.pinocchio, self._data, frame)
+        if jacobian.ndim == 1:  # pinocchio's, of a model of one joint
+            jacobian = jacobian.reshape(6, 1)
+        if joints is not None:
+            jacobian = jacobian @ joints.matrix
         return Pose(pose.translation.copy(), pose.rotation.copy()), jacobian
 
 
 def _limits(config: RobotConfig) -> JointLimits:
     """Return the limits of base and arm as one set of vectors."""
     base, arm = config.base, config.arm
+    if base is None:
+        return JointLimits(
+            position_lower=np.array(arm.position_lower),
+            position_upper=np.array(arm.position_upper),
+            velocity=np.array(arm.velocity),
+            acceleration=np.array(arm.acceleration),
+            jerk=np.array(arm.jerk),
+        )
     unlimited = np.full(3, np.inf)
     return JointLimits(
         position_lower=np.concatenate([-unlimited, arm.position_lower]),

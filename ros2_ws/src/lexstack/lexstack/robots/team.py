@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from lexstack.errors import ConfigurationError
 from lexstack.limits.joint_limits import JointLimits
 from lexstack.options import shown
 from lexstack.robots.collision_geometry import Indices, Spheres
-from lexstack.robots.kinematics import Kinematics, Pose
+from lexstack.robots.kinematics import Frames, Kinematics, Pose
 from lexstack.robots.obstacles import Obstacles
 from lexstack.robots.options import Vector3
 from lexstack.robots.robot import RobotModel
@@ -25,7 +25,9 @@ class Team:
         robots: in the configured order.
         names: their names.
         slices: each robot's part of chi.
+        q_slices: each robot's part of q.
         n: length of chi.
+        nq: length of q.
         limits: of all joints, shape (n,) each.
         dt: control period [s].
         obstacles: that distances are kept to.
@@ -46,6 +48,9 @@ class Team:
             slice(int(end) - robot.n, int(end)) for end, robot in zip(ends, robots, strict=True)
         )
         self.n = int(ends[-1])
+        starts = np.cumsum([0, *(robot.nq for robot in robots)]).tolist()
+        self.q_slices = tuple(map(slice, starts[:-1], starts[1:]))
+        self.nq: int = starts[-1]
         self.limits = JointLimits.joined(robot.limits for robot in robots)
 
     def index(self, name: str) -> int:
@@ -73,36 +78,59 @@ class Team:
     def tools(self, q: Vector) -> tuple[Pose, ...]:
         """Return each robot's tool pose at the stacked configuration q, shape (n,)."""
         return tuple(
-            robot.tool(q[columns])[0]
-            for robot, columns in zip(self.robots, self.slices, strict=True)
+            robot.tool(q[part])[0] for robot, part in zip(self.robots, self.q_slices, strict=True)
         )
 
     def kinematics(self, state: RobotState) -> Kinematics:
         """Return poses and Jacobians at the measured configuration of ``state``."""
         results = [
-            robot.tool(state.q[columns])
-            for robot, columns in zip(self.robots, self.slices, strict=True)
+            robot.tool(state.q[part])
+            for robot, part in zip(self.robots, self.q_slices, strict=True)
         ]
         return Kinematics(
             state,
             tuple(pose for pose, _ in results),
             tuple(jacobian for _, jacobian in results),
             self.spheres,
+            Frames(partial(self._frame, state.q)),
+        )
+
+    def _frame(self, q: Vector, robot: int, name: str) -> tuple[Pose, Matrix]:
+        """Return pose and Jacobian of a robot's frame at the stacked configuration q."""
+        model = self.robots[robot]
+        return model.at(q[self.q_slices[robot]], model.frame(name))
+
+    def base_poses(self, q: Vector) -> tuple[Vector, ...]:
+        """Return each robot's ``RobotModel.base_pose`` at the stacked configuration q."""
+        return tuple(
+            robot.base_pose(q[part]) for robot, part in zip(self.robots, self.q_slices, strict=True)
+        )
+
+    def integrate(self, q: Vector, chi: Vector, dt: float) -> Vector:
+        """Return where all robots are after they moved at chi for dt [s] from q, shape (nq,)."""
+        if self.nq == self.n:
+            return q + dt * chi
+        return np.concatenate(
+            [
+                robot.integrate(q[at], chi[part], dt)
+                for robot, at, part in zip(self.robots, self.q_slices, self.slices, strict=True)
+            ]
         )
 
     def spheres(self, q: Vector) -> Spheres:
         """Return all collision spheres at the stacked configuration q, shape (n,)."""
         results = [
-            robot.spheres.at(q[columns])
-            for robot, columns in zip(self.robots, self.slices, strict=True)
+            robot.spheres.at(q[part])
+            for robot, part in zip(self.robots, self.q_slices, strict=True)
         ]
-        radii, owners, moved_by = self._fixed
+        radii, owners, moved_by, follows = self._fixed
         return Spheres(
             np.concatenate([centers for centers, _ in results], axis=1).T.copy(),
             radii,
             owners,
             moved_by,
             np.concatenate([twists for _, twists in results], axis=1),
+            follows,
         )
 
     @cached_property
@@ -111,14 +139,19 @@ class Team:
         return tuple(f"{robot.name}/{joint}" for robot in self.robots for joint in robot.joints)
 
     @cached_property
-    def _fixed(self) -> tuple[Vector, Indices, Matrix]:
-        """Return what does not move: ``Spheres.radii``, ``owners`` and ``moved_by``."""
+    def _fixed(self) -> tuple[Vector, Indices, Matrix, Matrix | None]:
+        """Return what does not move: ``radii``, ``owners``, ``moved_by``, ``follows``."""
         counts = [len(robot.spheres.radii) for robot in self.robots]
         owners = np.repeat(np.arange(len(self.robots)), counts)
-        moved_by = np.zeros((len(owners), self.n))
-        for i, (robot, columns) in enumerate(zip(self.robots, self.slices, strict=True)):
-            moved_by[owners == i, columns] = robot.spheres.moved_by
+        ends = np.cumsum([robot.spheres.moved_by_all.shape[1] for robot in self.robots])
+        moved_by = np.zeros((len(owners), int(ends[-1])))
+        follows = np.zeros((int(ends[-1]), self.n))
+        for i, (robot, part, end) in enumerate(zip(self.robots, self.slices, ends, strict=True)):
+            every = slice(end - robot.spheres.moved_by_all.shape[1], end)
+            moved_by[owners == i, every] = robot.spheres.moved_by_all
+            follows[every, part] = np.eye(robot.n) if robot.map is None else robot.map.matrix
         radii = np.concatenate([robot.spheres.radii for robot in self.robots])
-        for array in (radii, owners, moved_by):
+        for array in (radii, owners, moved_by, follows):
             array.setflags(write=False)
-        return radii, owners, moved_by
+        mapped = any(robot.map is not None for robot in self.robots)
+        return radii, owners, moved_by, follows if mapped else None

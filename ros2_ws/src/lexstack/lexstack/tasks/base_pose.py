@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lexstack.errors import ConfigurationError, ModelError
 from lexstack.options import Positive, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
@@ -25,12 +26,14 @@ class Base:
     """Phi chi -> lambda (x_d - x*), with the integrated base pose x* and yaw wrapped."""
 
     def __init__(self, team: Team, robot: int, parameters: BaseParameters) -> None:
-        """Make the task of the robot at place ``robot`` of the team."""
+        """Make the task of the robot at place ``robot``; raises ModelError where it has no base."""
+        if not team.robots[robot].has_base:
+            raise ModelError(f"robot {team.names[robot]}: has no base, which the task 'base' moves")
         self.name = f"{team.names[robot]}/base"
         self.robots = (robot,)
         self._robot = robot
-        start = team.slices[robot].start
-        self._columns = slice(start, start + 3)
+        base, start = team.robots[robot].base, team.slices[robot].start
+        self._columns = slice(start + base.start, start + base.stop)
         self._matrix = np.eye(3, team.n, start)
         self._matrix.setflags(write=False)  # solvers may remember it
         self._gain = parameters.gain
@@ -39,7 +42,10 @@ class Base:
     @classmethod
     def from_config(cls, team: Team, robot: int, parameters: dict[str, Any], where: str) -> Base:
         """Return the task that a stack file describes; raises ConfigurationError."""
-        return cls(team, robot, build(BaseParameters, parameters, where))
+        try:
+            return cls(team, robot, build(BaseParameters, parameters, where))
+        except ModelError as error:
+            raise ConfigurationError(f"{where.removesuffix(': parameters')}: {error}") from error
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return 3 rows: x and y [m/s], yaw [rad/s], in the world frame."""

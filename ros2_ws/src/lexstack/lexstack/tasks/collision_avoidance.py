@@ -35,7 +35,6 @@ from lexstack.options import NotNegative, Positive, Range, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Spheres, Team
 from lexstack.robots.collision_geometry import Indices
-from lexstack.robots.robot import BASE
 from lexstack.types import LinearTask, Matrix, Vector
 
 _GROUND = 1e6  # m, radius of the sphere that stands for the floor: flat to 5 um within 3 m
@@ -199,7 +198,7 @@ class CollisionAvoidance:
         )
         reach: Matrix = own.radii[:, None] + radii + self._parameters.margin
         if self._parameters.ground:
-            on_base = ~own.moved_by[:, BASE.stop :].any(axis=1)
+            on_base = ~own.moved_by[:, team.robots[robot].arm].any(axis=1)
             reach[on_base, len(self._chosen)] = -_GROUND  # the platform stands on it
         if self._parameters.itself:
             joints = own.moved_by.sum(axis=1)

@@ -31,8 +31,8 @@ class VelocityDamping:
         self.name = f"{team.names[robot]}/velocity_damping"
         self.robots = (robot,)
         self._matrix = np.eye(n, team.n, columns.start)
-        self._matrix[:3] *= parameters.base_cost
-        self._matrix[3:] *= parameters.arm_cost
+        self._matrix[team.robots[robot].base] *= parameters.base_cost
+        self._matrix[team.robots[robot].arm] *= parameters.arm_cost
         self._matrix.setflags(write=False)  # solvers may remember it
         self._target = np.zeros(n)
 

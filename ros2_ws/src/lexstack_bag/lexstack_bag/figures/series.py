@@ -49,7 +49,7 @@ def measure(run: Run, progress: Progress = lambda _part: None) -> TimeSeries:
     team = run.team()
     q, time = run.plant.q, run.plant.stamp
     ee = _tools(team, q, progress)
-    base = np.stack([q[:, part][:, :3] for part in team.slices], axis=1)
+    base = _bases(team, q)
     references = references_in_effect(run, team)
     ee_target, base_target = _positions(references, len(team.robots))
     yaw = base[:, :, 2] - base_target[:, :, 2]
@@ -68,6 +68,17 @@ def measure(run: Run, progress: Progress = lambda _part: None) -> TimeSeries:
         acceleration,
         jerk,
     )
+
+
+def _bases(team: Team, q: Matrix) -> NDArray[np.float64]:
+    """Return x, y, yaw of the bases at every row of q, shape (T, N, 3); of none, its mounting."""
+    found = [
+        q[:, part][:, robot.base]
+        if robot.has_base
+        else np.tile(robot.base_pose(q[0, part]), (len(q), 1))
+        for robot, part in zip(team.robots, team.q_slices, strict=True)
+    ]
+    return np.stack(found, axis=1)
 
 
 def _tools(team: Team, q: Matrix, progress: Progress) -> NDArray[np.float64]:

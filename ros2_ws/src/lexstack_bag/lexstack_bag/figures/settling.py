@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.robots import ARM, Team
+from lexstack.robots import Team
 from lexstack.tasks import PostureParameters, posture_target
 from lexstack.types import Vector
 from lexstack_bag.figures.phases import BASE_TASKS, EE_TASKS, POSTURE_TASKS, Phase, tasks_of
@@ -77,6 +77,6 @@ def posture_errors(run: Run, team: Team, stack: str) -> dict[str, Vector]:
         where = f"stack {stack}: posture"
         parameters = build(PostureParameters, task.parameters, where)
         target = posture_target(team.robots[robot], parameters, where)
-        arm = run.plant.q[:, team.slices[robot]][:, ARM]
+        arm = run.plant.q[:, team.slices[robot]][:, team.robots[robot].arm]
         found[name] = 1e3 * np.linalg.norm(arm - target, axis=1)
     return found

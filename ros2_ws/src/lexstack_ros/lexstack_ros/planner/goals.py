@@ -147,6 +147,8 @@ def wanted_of(
         known = ", ".join(team.names)
         raise InputError(f"robot: unknown {shown(goal.robot)}; known: {known}")
     robot = team.names.index(goal.robot)
+    if not team.robots[robot].has_base:
+        raise InputError(f"robot: {goal.robot} has no base, and the MPC needs one")
     architecture = goal.architecture or "ht"
     if architecture not in ARCHITECTURES:
         known = ", ".join(ARCHITECTURES)

@@ -61,10 +61,12 @@ class HtmpcNode(Node):
         self._meter = Meter()
         self._failures = 0
         self._runners: dict[int, SequenceRunner] = {}
-        self._reach = [Reach(robot, self._team.obstacles) for robot in self._team.robots]
+        driving = {i: robot for i, robot in enumerate(self._team.robots) if robot.has_base}
+        self._reach = {i: Reach(robot, self._team.obstacles) for i, robot in driving.items()}
         named = {entry.robot for entry in scenario.sequences.values()}
         for robot in sorted(map(self._team.index, named or scenario.robots)):
-            self._runner(robot)
+            if robot in driving:
+                self._runner(robot)
         self._plan_out = self.create_publisher(JointTrajectory, PLAN, STREAM)
         self._status_out = self.create_publisher(SequenceStatus, "/htmpc/status", STREAM)
         self._sequence_out = self.create_publisher(Sequence, "/htmpc/sequence", LATCHED)

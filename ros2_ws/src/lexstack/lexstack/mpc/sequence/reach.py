@@ -25,22 +25,31 @@ _STALLED = 1e-7  # of the squared error: a start that gains less per step has en
 # A goal is refused only if the least error found exceeds the tolerance by this much: at the border
 # of the reach the search converges slowly.
 _SLACK = 1e-3  # m, rad
-_BASE = slice(0, 3)
+_BASE = slice(0, 3)  # of a robot that drives, and no other has a Reach
 
 
 class Reach:
     """The goals of tasks that one robot can meet."""
 
     def __init__(self, robot: RobotModel, obstacles: Obstacles) -> None:
-        """Take a robot and what is in its way."""
-        self._robot = robot
+        """Take a robot and what is in its way.
+
+        Raises:
+            InputError: the robot has no base, and so executes no sequences.
+        """
+        if robot.config.base is None:
+            raise InputError(f"robot {robot.name}: has no base, and the MPC needs one")
+        self._robot, self._platform = robot, robot.config.base
         still = obstacles.resting
         self._centers, self._radii = obstacles.at(0.0)[still], obstacles.radii[still]
         limits = robot.limits
         lower, upper = limits.position_lower, limits.position_upper
         home = robot.home((0.0, 0.0, 0.0))
         # Seeded: the same goal gets the same answer in every process and run.
-        drawn = np.random.default_rng(0).uniform(lower[3:], upper[3:], (_STARTS - 1, robot.n - 3))
+        # A joint without limits is drawn from one turn.
+        least = np.where(np.isfinite(lower), lower, -np.pi)[3:]
+        most = np.where(np.isfinite(upper), upper, np.pi)[3:]
+        drawn = np.random.default_rng(0).uniform(least, most, (_STARTS - 1, robot.n - 3))
         self._starts = np.vstack((home, np.hstack((np.zeros((_STARTS - 1, 3)), drawn))))
         self._lower, self._upper = lower, upper
 
@@ -108,7 +117,7 @@ class Reach:
 
     def _occupied(self, place: Vector) -> str:
         """Return why a base cannot stand at x, y [m], shape (2,), whatever its yaw; or ''."""
-        base = self._robot.config.base
+        base = self._platform
         inside = min(base.chassis_size[:2]) / 2.0  # a disc that the chassis covers at any yaw
         half = base.chassis_size[2] / 2.0
         for center, radius in zip(self._centers, self._radii, strict=True):

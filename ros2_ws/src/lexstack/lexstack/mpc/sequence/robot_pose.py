@@ -29,7 +29,7 @@ class RobotPose:
     @classmethod
     def of(cls, robot: RobotModel, stamp: float, q: Vector) -> RobotPose:
         """Return where a robot is at the measured q, shape (n,)."""
-        return cls(stamp, np.array(q[:3]), robot.tool(q)[0])
+        return cls(stamp, robot.base_pose(q), robot.tool(q)[0])
 
     def value(self, kind: Kind) -> Vector:
         """Return the present point in the coordinates of a kind's reference, shape (r,)."""
