@@ -141,7 +141,7 @@ WRONG = {
     "infinite beyond a limit": ("scenarios/reach", ("duration",), INF),
     "zero in a list": ("robots/ur10_ridgeback", ("arm", "velocity", 2), 0.0),
     "a gain of zero": ("htmpc/baselines/htidkc-tuned", ("ee_gain",), 0.0),
-    "an unknown choice": ("scenarios/transition-sequence", ("transition", "method"), "jump"),
+    "an unknown choice": ("scenarios/transition-sequence", ("transition", "profile"), "jump"),
     "a name that is none": ("scenarios/reach", ("name",), "a b"),
     "a name beside a topic": ("scenarios/reach", ("robots", "robot-c"), {"model": "x", "base": []}),
     "an unknown task": ("stacks/track", ("levels", 0, "tasks", 0, "type"), "dance"),

@@ -98,7 +98,7 @@ def test_without_the_key_the_names_are_unknown(tmp_path, module):
     module(MINE)
     resolved = load_scenario(scenario(tmp_path))
     more = "extensions of the scenario add others"
-    assert Parts.of(resolved).unfit["some"].endswith(f"velocity, posture, relative_pose; {more}")
+    assert Parts.of(resolved).unfit["some"].endswith(f"relative_pose, velocity_damping; {more}")
     for values, text in (
         ({"transition": {"method": "follow"}}, "transition.method: unknown method 'follow'"),
         ({"solver": "my_solver"}, "solver: unknown solver 'my_solver'; known: daqp, proxqp"),

@@ -117,11 +117,9 @@ def _convert_union(hint: Any, value: object, where: str) -> Any:
         except ConfigurationError as error:
             errors.append(error)
     looks = tuple if isinstance(value, list | tuple) else dict if isinstance(value, dict) else None
-    alike = [
-        error
-        for option, error in zip(options, errors, strict=True)
-        if (typing.get_origin(option) is looks if looks else isinstance(error, NotANumberError))
-    ]
+    origins = [typing.get_origin(option) for option in options]
+    kinds = [origin if origin in (tuple, dict) else None for origin in origins]
+    alike = [error for kind, error in zip(kinds, errors, strict=True) if kind is looks]
     raise (alike or errors)[-1]
 
 

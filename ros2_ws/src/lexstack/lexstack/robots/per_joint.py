@@ -8,10 +8,14 @@ from collections.abc import Callable
 import numpy as np
 
 from lexstack.errors import ConfigurationError
-from lexstack.options import shown
+from lexstack.options import NotNegative, Positive, shown
 
 PerJoint = float | tuple[float, ...] | dict[str, float]
 """A value for each joint: the same for all, in the order of ``joints``, or by name."""
+PositivePerJoint = Positive | tuple[Positive, ...] | dict[str, Positive]
+"""The same, > 0."""
+NotNegativePerJoint = NotNegative | tuple[NotNegative, ...] | dict[str, NotNegative]
+"""The same, >= 0."""
 
 _LARGEST = float(np.finfo(np.float64).max)
 

@@ -15,7 +15,14 @@ from lexstack.errors import ConfigurationError, ModelError
 from lexstack.options import Range, build, shown
 from lexstack.robots.description import located
 from lexstack.robots.options import ArmConfig, BaseConfig, FrameConfig, RobotConfig, SphereConfig
-from lexstack.robots.per_joint import PerJoint, number, per_joint, zero
+from lexstack.robots.per_joint import (
+    NotNegativePerJoint,
+    PerJoint,
+    PositivePerJoint,
+    number,
+    per_joint,
+    zero,
+)
 from lexstack.robots.urdf import Description, read_urdf, slides
 
 RISE = 0.4  # s, in which a joint reaches its full velocity: the default of its acceleration
@@ -45,15 +52,15 @@ class ArmFile:
     home: PerJoint = field(default_factory=dict)  # default: 0, or mid-range where 0 is outside
     position_lower: PerJoint = field(default_factory=dict)  # default: the URDF's
     position_upper: PerJoint = field(default_factory=dict)  # default: the URDF's
-    velocity: PerJoint = field(default_factory=dict)  # default: the URDF's
-    acceleration: PerJoint = field(default_factory=dict)  # default: velocity / 0.4 s
-    jerk: PerJoint = field(default_factory=dict)  # default: acceleration / 0.01 s
-    torque: PerJoint = field(default_factory=dict)  # default: the URDF's effort
-    torque_rate: PerJoint = field(default_factory=dict)  # default: 1000 N m/s, 10000 N/s
-    stiffness: PerJoint = field(default_factory=dict)  # default: 200 N m/rad, 20000 N/m
-    damping: PerJoint = field(default_factory=dict)  # default: 20 N m s/rad, 2000 N s/m
-    armature: PerJoint = field(default_factory=dict)  # default: 0.1 kg m2, 1 kg
-    q_star_distance: PerJoint = field(default_factory=dict)  # default: 0.1 rad, 0.02 m
+    velocity: PositivePerJoint = field(default_factory=dict)  # default: the URDF's
+    acceleration: PositivePerJoint = field(default_factory=dict)  # default: velocity / 0.4 s
+    jerk: PositivePerJoint = field(default_factory=dict)  # default: acceleration / 0.01 s
+    torque: PositivePerJoint = field(default_factory=dict)  # default: the URDF's effort
+    torque_rate: PositivePerJoint = field(default_factory=dict)  # default: 1000 N m/s, 10000 N/s
+    stiffness: PositivePerJoint = field(default_factory=dict)  # default: 200 N m/rad, 20000 N/m
+    damping: NotNegativePerJoint = field(default_factory=dict)  # default: 20 N m s/rad, 2000 N s/m
+    armature: NotNegativePerJoint = field(default_factory=dict)  # default: 0.1 kg m2, 1 kg
+    q_star_distance: PositivePerJoint = field(default_factory=dict)  # default: 0.1 rad, 0.02 m
     posture: PerJoint | None = None  # where the task posture leads; default: mid-range
 
 
