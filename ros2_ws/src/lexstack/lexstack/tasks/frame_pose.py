@@ -29,7 +29,7 @@ class EePoseParameters:
 
 
 class EePose:
-    """J chi -> sat(K_p e), with the measured pose: e = (p_d - p, R log3(R^T R_d))."""
+    """J chi -> x_dot^d + sat(K_p e), with the measured pose: e = (p_d - p, R log3(R^T R_d))."""
 
     def __init__(self, team: Team, robot: int, parameters: EePoseParameters) -> None:
         """Make the task of the robot at place ``robot`` of the team."""
@@ -56,7 +56,8 @@ class EePose:
         target[3:] = saturated(gain * error[3:], self._parameters.max_angular)
         matrix = np.zeros((6, self._n))
         matrix[:, self._part] = kinematics.jacobians[self._robot]
-        return LinearTask.equality(self.name, matrix, target, self._curve)
+        feed = references.twist(self._robot)
+        return LinearTask.equality(self.name, matrix, target, self._curve, feed)
 
 
 def pose_error(actual: Pose, desired: Pose) -> Vector:

@@ -27,7 +27,7 @@ class EePositionParameters:
 
 
 class EePosition:
-    """J_v chi -> sat(K_p (p_d - p)), with the measured position p of the tool."""
+    """J_v chi -> p_dot_d + sat(K_p (p_d - p)), with the measured position p of the tool."""
 
     def __init__(self, team: Team, robot: int, parameters: EePositionParameters) -> None:
         """Make the task of the robot at place ``robot`` of the team."""
@@ -53,4 +53,6 @@ class EePosition:
         target = saturated(self._parameters.gain * error, self._parameters.max_linear)
         matrix = np.zeros((3, self._n))
         matrix[:, self._part] = kinematics.jacobians[self._robot][:3]
-        return LinearTask.equality(self.name, matrix, target, self._curve)
+        twist = references.twist(self._robot)
+        feed = None if twist is None else twist[:3]
+        return LinearTask.equality(self.name, matrix, target, self._curve, feed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
-from lexstack.references import References
+from lexstack.references import References, combined
 from lexstack.tasks.stack import Stack
 from lexstack.transition.channels.channel import Channel
 from lexstack.transition.requests import SwitchRequest
@@ -56,10 +56,6 @@ def references_before(channels: Sequence[Channel], references: References) -> Re
     first = channels[0].used or references
     if all((channel.used or references) is first for channel in channels):
         return first
-    ee, base, revisions = list(references.ee), list(references.base), []
-    for channel in channels:
-        used = channel.used or references
-        for robot in channel.part.robots:
-            ee[robot], base[robot] = used.ee[robot], used.base[robot]
-        revisions.append(used.revision)
-    return References(tuple(ee), tuple(base), max(revisions))
+    return combined(
+        ((channel.part.robots, channel.used or references) for channel in channels), references
+    )
