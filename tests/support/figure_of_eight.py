@@ -11,10 +11,10 @@ from lexstack.control import ExactPlant, Lockstep, make_controller, make_stack_s
 from lexstack.references import ReferenceSchedule, Target
 from lexstack.robots import Pose
 from lexstack.tasks import StackConfig, build_stack
-from lexstack.transition.options import TransitionOptions
+from lexstack.transition.options import TransitionConfig, TransitionOptions
 from support.scenario import home, team
 
-PERIOD = 6.0  # s, for 0.3 by 0.2 m
+PERIOD = 7.5  # s, for 0.3 by 0.2 m: up to 0.21 m/s
 NOD = 0.2  # rad
 
 
@@ -50,7 +50,9 @@ def lockstep(stacks, initial, *, lead_in=0.5, q=None):
         for name, levels in stacks.items()
     }
     references = ReferenceSchedule.at_home(team(), q, lead_in=lead_in)
-    controller = make_controller(team(), built, TransitionOptions(initial), references)
+    controller = make_controller(
+        team(), built, TransitionOptions(initial, TransitionConfig(1.0)), references
+    )
     plant = ExactPlant(q, team().dt)
     return Lockstep(team(), controller, make_stack_solver(team(), built), plant)
 

@@ -1,14 +1,15 @@
 """A stream of twists, as of a joystick: each one is followed until the next comes, or it is late.
 
-From the velocity before to the new one leads a ramp with the share s(t) = x^2 (3 - 2 x), x = t / T:
+From the velocity before to the new one leads a ramp with the share s = t / T:
 
     p(t) = p_0 + v_0 a(t) + v_1 b(t)        R(t) = exp(w_1 b(t)) exp(w_0 a(t)) R_0
     a' = 1 - s, b' = s
 
-so that velocity and acceleration are continuous: w = w_1 b' + exp(w_1 b) w_0 a'. If no further
-twist comes within a stated time, a ramp to zero follows. T is such that the ramp is within the
-acceleration limits; while the axis of rotation changes, the angular acceleration may be larger by
-|w_0 x w_1| / 4, and by what the turn of the ramp itself does to w_0.
+so that velocities are continuous: w = w_1 b' + exp(w_1 b) w_0 a'. If no further twist comes within
+a stated time, a ramp to zero follows. T is such that the ramp is within the acceleration limits;
+while the axis of rotation changes, the angular acceleration may be larger by |w_0 x w_1| / 4, and
+by what the turn of the ramp itself does to w_0. A ramp whose acceleration were continuous too would
+begin at rest with every twist: a quick stream would hardly move the frame.
 """
 
 from __future__ import annotations
@@ -23,7 +24,6 @@ from lexstack.references.trajectory import Trajectory
 from lexstack.robots import Pose
 from lexstack.types import Vector
 
-_STEEPEST = 1.5  # the largest slope of s(x)
 _SHORTEST = 1e-3  # s, of a ramp
 
 
@@ -79,7 +79,7 @@ class Ramp:
         change = after - before
         linear = float(np.linalg.norm(change[:3])) / twist.linear
         angular = float(np.linalg.norm(change[3:])) / twist.angular
-        duration = max(_STEEPEST * linear, _STEEPEST * angular, _SHORTEST)
+        duration = max(linear, angular, _SHORTEST)
         return cls(start, pose, before, after, duration)
 
     def at(self, stamp: float) -> Pose:
@@ -102,9 +102,9 @@ class Ramp:
         """Return a [s], b [s] and s at a time."""
         elapsed = stamp - self.start
         x = min(max(elapsed / self.duration, 0.0), 1.0)
-        risen = self.duration * x**3 * (1.0 - 0.5 * x)  # the integral of s
+        risen = 0.5 * self.duration * x * x  # the integral of s
         beyond = max(elapsed - self.duration, 0.0)
-        return self.duration * x - risen, risen + beyond, x * x * (3.0 - 2.0 * x)
+        return self.duration * x - risen, risen + beyond, x
 
 
 @dataclass(frozen=True, slots=True, eq=False)

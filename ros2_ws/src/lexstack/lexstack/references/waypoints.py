@@ -153,10 +153,7 @@ def timed_waypoints(
 def peaks(way: Waypoints) -> Vector:
     """Return the largest velocity and acceleration, linear, then angular, shape (4,), SI units."""
     times = np.concatenate(
-        [
-            np.linspace(a, b, _SAMPLES, endpoint=False)
-            for a, b in pairwise(way.times)
-        ]
+        [np.linspace(a, b, _SAMPLES, endpoint=False) for a, b in pairwise(way.times)]
     )
     step = 1e-4 * float(np.diff(way.times).min())
     zero = np.zeros(6)

@@ -12,6 +12,7 @@ from lexstack.options import build, positive
 from lexstack.references import References
 from lexstack.robots import Kinematics, Pose, Team
 from lexstack.robots.spatial import log3
+from lexstack.tasks.feed_forward import feed_forward
 from lexstack.types import Curve, LinearTask, Vector
 
 
@@ -38,6 +39,7 @@ class EePose:
         self._robot = robot
         self._part = team.slices[robot]
         self._n = team.n
+        self._dt = team.dt
         self._parameters = parameters
         limits = (parameters.max_linear, parameters.max_angular)
         self._curve = Curve(parameters.gain, (robot,), (self._part,), (1.0,), limits)
@@ -57,6 +59,9 @@ class EePose:
         matrix = np.zeros((6, self._n))
         matrix[:, self._part] = kinematics.jacobians[self._robot]
         feed = references.twist(self._robot)
+        if feed is not None:
+            command = kinematics.state.command[self._part]
+            feed = feed_forward(feed, kinematics.jacobians[self._robot], command, self._dt)
         return LinearTask.equality(self.name, matrix, target, self._curve, feed)
 
 

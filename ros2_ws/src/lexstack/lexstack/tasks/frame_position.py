@@ -10,6 +10,7 @@ import numpy as np
 from lexstack.options import build, positive
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
+from lexstack.tasks.feed_forward import feed_forward
 from lexstack.tasks.frame_pose import saturated
 from lexstack.types import Curve, LinearTask
 
@@ -36,6 +37,7 @@ class EePosition:
         self._robot = robot
         self._part = team.slices[robot]
         self._n = team.n
+        self._dt = team.dt
         self._parameters = parameters
         limits = (parameters.max_linear,)
         self._curve = Curve(parameters.gain, (robot,), (self._part,), (1.0,), limits)
@@ -53,6 +55,8 @@ class EePosition:
         target = saturated(self._parameters.gain * error, self._parameters.max_linear)
         matrix = np.zeros((3, self._n))
         matrix[:, self._part] = kinematics.jacobians[self._robot][:3]
-        twist = references.twist(self._robot)
-        feed = None if twist is None else twist[:3]
+        feed = references.twist(self._robot)
+        if feed is not None:
+            command = kinematics.state.command[self._part]
+            feed = feed_forward(feed, kinematics.jacobians[self._robot], command, self._dt)[:3]
         return LinearTask.equality(self.name, matrix, target, self._curve, feed)

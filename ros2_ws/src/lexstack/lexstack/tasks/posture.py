@@ -52,8 +52,11 @@ class Posture:
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return one row per arm joint [rad/s]."""
-        error = self._target - kinematics.state.q_star[self._part]
-        return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve)
+        motion = references.motion
+        target = motion.postures.get(self.robots[0], self._target)
+        error = target - kinematics.state.q_star[self._part]
+        feed = motion.posture_rates.get(self.robots[0])
+        return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve, feed)
 
 
 def posture_target(model: RobotModel, parameters: PostureParameters, where: str) -> Vector:
