@@ -67,7 +67,18 @@ if TYPE_CHECKING:
         SequenceTask,
         Start,
     )
-    from lexstack.references import References, ReferenceSchedule, Target
+    from lexstack.references import (
+        MotionLimits,
+        References,
+        ReferenceSchedule,
+        Spline,
+        Target,
+        Trajectory,
+        Twist,
+        Waypoints,
+        base_spline,
+        timed_waypoints,
+    )
     from lexstack.robots import (
         Kinematics,
         ObstacleConfig,
@@ -112,7 +123,8 @@ else:
             "limits": "Bounds JointLimits LimitOptions LimitsInForce viable_bounds",
             "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH Htmpc HtmpcConfig Objective "
             "Plan SequenceRunner SequenceTask Start CollisionScene",
-            "references": "ReferenceSchedule References Target",
+            "references": "MotionLimits ReferenceSchedule References Spline Target Trajectory "
+            "Twist Waypoints base_spline timed_waypoints",
             "robots": "Kinematics ObstacleConfig Obstacles Pose RobotConfig "
             "RobotModel Team mobile_manipulator",
             "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack",
@@ -152,6 +164,7 @@ __all__ = [
     "Lockstep",
     "Matrix",
     "ModelError",
+    "MotionLimits",
     "Objective",
     "ObstacleConfig",
     "Obstacles",
@@ -168,6 +181,7 @@ __all__ = [
     "Solution",
     "SourceSample",
     "SourceSchedule",
+    "Spline",
     "Stack",
     "StackConfig",
     "StackSolver",
@@ -177,11 +191,15 @@ __all__ = [
     "Task",
     "TaskConfig",
     "Team",
+    "Trajectory",
     "Transition",
     "TransitionConfig",
     "TransitionOptions",
     "TransitionState",
+    "Twist",
     "Vector",
+    "Waypoints",
+    "base_spline",
     "build_stack",
     "describe",
     "explain_unmet_levels",
@@ -189,5 +207,6 @@ __all__ = [
     "make_solver",
     "make_stack_solver",
     "mobile_manipulator",
+    "timed_waypoints",
     "viable_bounds",
 ]

@@ -14,7 +14,7 @@ from lexstack.references.set_point import SetPoint
 from lexstack.references.taking import taken
 from lexstack.references.timeline import ROUNDING, ReferenceTimeline, Setting
 from lexstack.references.twist_stream import Twist
-from lexstack.references.values import References, Target, measured
+from lexstack.references.values import TOOL, References, Target, measured
 from lexstack.robots import Pose, Team
 from lexstack.types import Vector
 
@@ -135,7 +135,7 @@ class ReferenceSchedule:
             InputError: its stamp is too far ahead, or its robot has too many targets to come.
         """
         kind = target.kind
-        if isinstance(target.ee, Twist) and target.frame and not self._placed(target):
+        if isinstance(target.ee, Twist) and target.frame != TOOL and not self._placed(target):
             raise InputError(f"{kind}: a twist needs a pose to begin from, give that first")
         ahead = target.at - max(self._decided, 0.0)
         if ahead > self._horizon:

@@ -13,8 +13,8 @@ class Trajectory(Protocol[T_co]):
     """A reference over simulated time; a value, so that all who have it agree in every bit.
 
     The value is a ``Pose`` for frames, an array x, y [m], yaw [rad] for bases, and an array of
-    joint positions, shape (n_arm,), rad, for postures. Any object with these three members may be given
-    as a target: set-points, splines, streams of twists, or one of the user's own.
+    joint positions, shape (n_arm,), rad, for postures. Any object with these three members may be
+    given as a target: set-points, splines, streams of twists, or one of the user's own.
     """
 
     @property

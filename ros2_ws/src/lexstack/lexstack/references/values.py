@@ -12,7 +12,7 @@ from lexstack.references.twist_stream import Twist
 from lexstack.robots import Pose, Team
 from lexstack.types import Vector
 
-TOOL = ""
+TOOL = "tool"
 """Names the default tool among the frames of a robot."""
 
 Frame = tuple[int, str]
@@ -135,7 +135,7 @@ class Target:
     def kind(self) -> str:
         """What it is a reference of, in words of topics."""
         if self.ee is not None:
-            return f"ee_target of {self.frame}" if self.frame else "ee_target"
+            return "ee_target" if self.frame == TOOL else f"ee_target of {self.frame}"
         return "base_target" if self.posture is None else "posture_target"
 
 

@@ -32,12 +32,45 @@ class Kinematics:
         jacobians: each robot's tool Jacobian, shape (6, n_robot): linear then angular velocity,
             at the tool's origin, axes parallel to the world (LOCAL_WORLD_ALIGNED).
         spheres: returns the collision spheres at the measured q; made when first asked for.
+        frames: looks up other frames than the tools, each once; use ``frame``.
     """
 
     state: RobotState
     tools: tuple[Pose, ...]
     jacobians: tuple[Matrix, ...]
     spheres: Callable[[], Spheres]
+    frames: Frames
+
+    def frame(self, robot: int, name: str) -> tuple[Pose, Matrix]:
+        """Return the pose of any frame of a robot, and its Jacobian, as ``jacobians`` has them.
+
+        Args:
+            robot: its place in the team.
+            name: ``tool``, or any link or joint of the robot's description.
+
+        Raises:
+            ModelError: the robot has no such frame.
+        """
+        if name == "tool":
+            return self.tools[robot], self.jacobians[robot]
+        return self.frames(robot, name)
+
+
+class Frames:
+    """Frames at one state: each is worked out when it is first asked for, and kept."""
+
+    __slots__ = ("_known", "_make")
+
+    def __init__(self, make: Callable[[int, str], tuple[Pose, Matrix]]) -> None:
+        """Remember what to call."""
+        self._make = make
+        self._known: dict[tuple[int, str], tuple[Pose, Matrix]] = {}
+
+    def __call__(self, robot: int, name: str) -> tuple[Pose, Matrix]:
+        """Return the pose and the Jacobian of a frame."""
+        if (robot, name) not in self._known:
+            self._known[robot, name] = self._make(robot, name)
+        return self._known[robot, name]
 
 
 class Once:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from lexstack.errors import ModelError
 from lexstack.limits.joint_limits import JointLimits
+from lexstack.options import shown
 from lexstack.robots.assembly import BASE_JOINTS, build_robot
 from lexstack.robots.collision_geometry import SphereModel
 from lexstack.robots.kinematics import Pose
@@ -78,11 +80,32 @@ class RobotModel:
 
     def tool(self, q: Vector) -> tuple[Pose, Matrix]:
         """Return the tool's pose and its Jacobian (6, n), LOCAL_WORLD_ALIGNED, at q (n,)."""
+        return self.at(q, self._tool)
+
+    def frame(self, name: str) -> int:
+        """Return the number of a frame in ``pinocchio``; raises ModelError where there is none."""
+        if not self.pinocchio.existFrame(name):
+            known = ", ".join(sorted({frame.name for frame in self.pinocchio.frames}))
+            raise ModelError(f"{self.name}: unknown frame {shown(name)}; known: {known}")
+        return int(self.pinocchio.getFrameId(name))
+
+    def centre_of_mass(self, q: Vector) -> tuple[Vector, Matrix]:
+        """Return the centre of mass in the world (3,), m, and its Jacobian (3, n) at q (n,)."""
+        jacobian = pin.jacobianCenterOfMass(self.pinocchio, self._data, q, False)
+        return self._data.com[0].copy(), np.array(jacobian)
+
+    @property
+    def mass(self) -> float:
+        """The mass of all bodies of the model [kg]."""
+        return float(sum(inertia.mass for inertia in self.pinocchio.inertias))
+
+    def at(self, q: Vector, frame: int) -> tuple[Pose, Matrix]:
+        """Return a frame's pose and its Jacobian (6, n), LOCAL_WORLD_ALIGNED, at q (n,)."""
         jacobian = pin.computeFrameJacobian(
-            self.pinocchio, self._data, q, self._tool, pin.LOCAL_WORLD_ALIGNED
+            self.pinocchio, self._data, q, frame, pin.LOCAL_WORLD_ALIGNED
         )
         # computeFrameJacobian places the joints but not the frame.
-        pose = pin.updateFramePlacement(self.pinocchio, self._data, self._tool)
+        pose = pin.updateFramePlacement(self.pinocchio, self._data, frame)
         return Pose(pose.translation.copy(), pose.rotation.copy()), jacobian
 
 

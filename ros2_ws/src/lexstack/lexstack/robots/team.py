@@ -11,7 +11,7 @@ from lexstack.errors import ConfigurationError
 from lexstack.limits.joint_limits import JointLimits
 from lexstack.options import shown
 from lexstack.robots.collision_geometry import Indices, Spheres
-from lexstack.robots.kinematics import Kinematics, Once, Pose
+from lexstack.robots.kinematics import Frames, Kinematics, Once, Pose
 from lexstack.robots.obstacles import Obstacles
 from lexstack.robots.options import Vector3
 from lexstack.robots.robot import RobotModel
@@ -86,7 +86,13 @@ class Team:
             tuple(pose for pose, _ in results),
             tuple(jacobian for _, jacobian in results),
             Once(partial(self.spheres, state.q)),
+            Frames(partial(self._frame, state.q)),
         )
+
+    def _frame(self, q: Vector, robot: int, name: str) -> tuple[Pose, Matrix]:
+        """Return a frame of a robot at the stacked configuration q, shape (n,)."""
+        model = self.robots[robot]
+        return model.at(q[self.slices[robot]], model.frame(name))
 
     def spheres(self, q: Vector) -> Spheres:
         """Return all collision spheres at the stacked configuration q, shape (n,)."""

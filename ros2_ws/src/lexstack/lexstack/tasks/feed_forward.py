@@ -4,8 +4,9 @@ A command holds for a control period dt, in which the frame moves by
 
     x(t + dt) - x(t) = dt J chi + dt^2 / 2 (dJ/dt) chi + ...
 
-The second term is no part of the rows. It would leave an error of |dJ/dt chi| dt / (2 K), 0.1 mm and more while the robot moves in the null space; so it is taken off the velocity that is
-asked for, with the command of the tick before for chi.
+The second term is no part of the rows. It would leave an error of |dJ/dt chi| dt / (2 K), 0.1 mm
+and more while the robot moves in the null space; so it is taken off the velocity that is asked
+for, with the command of the tick before for chi.
 """
 
 from __future__ import annotations
