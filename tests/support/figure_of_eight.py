@@ -11,7 +11,7 @@ from lexstack.control import ExactPlant, Lockstep, make_controller, make_stack_s
 from lexstack.references import ReferenceSchedule, Target
 from lexstack.robots import Pose
 from lexstack.tasks import StackConfig, build_stack
-from lexstack.transition.options import TransitionConfig, TransitionOptions
+from lexstack.transition import TransitionConfig, TransitionOptions
 from support.scenario import home, team
 
 PERIOD = 7.5  # s, for 0.3 by 0.2 m: up to 0.21 m/s
