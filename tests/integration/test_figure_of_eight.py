@@ -50,6 +50,22 @@ def test_a_transition_in_the_middle_keeps_it_there(initial, other):
     assert change.max() < 5.0, "no step in the command"
 
 
+def test_it_stays_there_while_a_switch_waits_for_the_solver():
+    """The old stack goes on, and the trajectory does not stand still for it."""
+    run = lockstep(STACKS, "hold", waits=False)
+    run.solver_answers = lambda tick: tick > 330
+
+    def switch(tick, run):
+        if tick == 300:
+            assert run.controller.transition.ask("rest", 1.0, "bridge", 0).accepted
+
+    distance, commands = follow(run, eight(), 6.0, at_tick=switch)
+    phases = [command.transition.phase.name for command in commands]
+    assert phases[305:325] == ["PREPARING"] * 20
+    assert commands[-1].stack == "rest"
+    assert distance[LED:].max() < 10e-6
+
+
 def test_base_and_posture_follow_their_trajectories_too():
     q = home()
     stacks = {"all": ("base", "posture")}

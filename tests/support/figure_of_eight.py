@@ -42,17 +42,18 @@ class Eight:
         return np.array([*linear, turning, 0.0, 0.0])
 
 
-def lockstep(stacks, initial, *, lead_in=0.5, q=None):
-    """Return a run of the two robots of the default scenario on stacks of one task a level."""
-    q = home() if q is None else q
+def lockstep(stacks, initial, *, lead_in=0.5, waits=True):
+    """Return a run of the two robots of the default scenario on stacks of one task a level.
+
+    ``waits``: whether the controller waits for the solver's chi of every tick.
+    """
+    q, options = home(), TransitionOptions(initial, TransitionConfig(1.0), lockstep=waits)
     built = {
         name: build_stack(StackConfig.of_tasks(name, *levels), team())
         for name, levels in stacks.items()
     }
     references = ReferenceSchedule.at_home(team(), q, lead_in=lead_in)
-    controller = make_controller(
-        team(), built, TransitionOptions(initial, TransitionConfig(1.0)), references
-    )
+    controller = make_controller(team(), built, options, references)
     plant = ExactPlant(q, team().dt)
     return Lockstep(team(), controller, make_stack_solver(team(), built), plant)
 
