@@ -5,6 +5,7 @@ import pytest
 
 from lexstack.references import Spline, Target, base_spline
 from support.figure_of_eight import Eight, follow, lockstep
+from support.plants import make_plant
 from support.scenario import home, team
 
 STACKS = {"hold": ("ee_pose", "minimum_velocity"), "rest": ("ee_pose", "posture")}
@@ -48,6 +49,19 @@ def test_a_transition_in_the_middle_keeps_it_there(initial, other):
     change = np.abs(np.diff(chi[290:], axis=0)) / team().dt
     assert (change <= team().limits.acceleration + 1e-9).all()
     assert change.max() < 5.0, "no step in the command"
+
+
+def test_in_mujoco_it_is_within_a_millimetre_through_a_transition():
+    def switch(tick, run):
+        if tick == 300:
+            assert run.controller.transition.ask("rest", 1.0, "bridge", 0).accepted
+
+    run = lockstep(STACKS, "hold")
+    run.plant = make_plant()
+    there = Eight(team().tools(run.plant.state().q)[0])
+    distance, commands = follow(run, there, 6.0, at_tick=switch)
+    assert commands[-1].stack == "rest"
+    assert distance[2 * LED :].max() < 1e-3
 
 
 def test_it_stays_there_while_a_switch_waits_for_the_solver():
