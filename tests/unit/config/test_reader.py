@@ -64,7 +64,9 @@ BREAKS = {
     },
     "events[0].at: after the scenario's end": {"events": [{"at": 100.0}]},
     "transition: duration: must be finite and > 0, got 0": {"transition": {"duration": 0.0}},
-    "extensions[0]: a module has a Python name, with dots between its parts": {"extensions": ["../x"]},
+    "extensions[0]: a module has a Python name, with dots between its parts": {
+        "extensions": ["../x"]
+    },
     "extensions: expected a list, got 'x'": {"extensions": "x"},
     "timeouts: watchdog: must be finite and > 0": {"timeouts": {"watchdog": -0.1}},
 }

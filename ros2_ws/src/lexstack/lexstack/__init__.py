@@ -68,7 +68,18 @@ if TYPE_CHECKING:
         SequenceTask,
         Start,
     )
-    from lexstack.references import References, ReferenceSchedule, Target
+    from lexstack.references import (
+        MotionLimits,
+        References,
+        ReferenceSchedule,
+        Spline,
+        Target,
+        Trajectory,
+        Twist,
+        Waypoints,
+        base_spline,
+        timed_waypoints,
+    )
     from lexstack.robots import (
         BaseConfig,
         Kinematics,
@@ -117,7 +128,8 @@ else:
             "limits": "Bounds JointLimits LimitOptions LimitsInForce viable_bounds",
             "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH Htmpc HtmpcConfig Objective "
             "Plan SequenceRunner SequenceTask Start CollisionScene",
-            "references": "ReferenceSchedule References Target",
+            "references": "MotionLimits ReferenceSchedule References Spline Target Trajectory "
+            "Twist Waypoints base_spline timed_waypoints",
             "robots": "BaseConfig Kinematics ObstacleConfig Obstacles Pose RobotConfig "
             "RobotModel Team mobile_manipulator robot_from_urdf",
             "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack "
@@ -159,6 +171,7 @@ __all__ = [
     "Lockstep",
     "Matrix",
     "ModelError",
+    "MotionLimits",
     "Objective",
     "ObstacleConfig",
     "Obstacles",
@@ -175,6 +188,7 @@ __all__ = [
     "Solution",
     "SourceSample",
     "SourceSchedule",
+    "Spline",
     "Stack",
     "StackConfig",
     "StackSolver",
@@ -184,11 +198,15 @@ __all__ = [
     "Task",
     "TaskConfig",
     "Team",
+    "Trajectory",
     "Transition",
     "TransitionConfig",
     "TransitionOptions",
     "TransitionState",
+    "Twist",
     "Vector",
+    "Waypoints",
+    "base_spline",
     "build_stack",
     "describe",
     "explain_unmet_levels",
@@ -200,5 +218,6 @@ __all__ = [
     "register_solver",
     "register_task",
     "robot_from_urdf",
+    "timed_waypoints",
     "viable_bounds",
 ]

@@ -62,8 +62,8 @@ class Curve:
     """What a task's rows leave out: how they turn while the robots move.
 
     The rows are ``scale`` times the derivative of a function f of the joints, and ask for
-    ``scale K e`` with e the error that is left of it. Made once per task: it holds nothing that
-    changes from tick to tick.
+    ``scale K e`` with e the error that is left of it, and for the velocity of the reference, see
+    ``LinearTask.feed``. Made once per task: it holds nothing that changes from tick to tick.
 
     Attributes:
         gain: K [1/s]; an equality row divided by it is the error that the row asks to remove.
@@ -73,6 +73,7 @@ class Curve:
             moves; empty where f is linear in the joints.
         limits: per three rows the length that K e is shortened to, see ``saturated``; may be empty.
         scale: root of the task's weight.
+        sizes: of how many rows each of ``limits`` is; empty: of three.
     """
 
     gain: float
@@ -81,6 +82,21 @@ class Curve:
     signs: tuple[float, ...] = ()
     limits: tuple[float, ...] = ()
     scale: float = 1.0
+    sizes: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameRows:
+    """How the rows of a task come from the Jacobian of a frame: ``scale * axes @ jacobian``.
+
+    Attributes:
+        axes: shape (m, 6): linear, then angular; orthonormal rows.
+        jacobian: shape (6, n_robot), at the frame's origin, axes parallel to the world
+            (LOCAL_WORLD_ALIGNED).
+    """
+
+    axes: Matrix
+    jacobian: Matrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +113,10 @@ class LinearTask:
         lower: shape (m,), in the unit of ``matrix @ chi``.
         upper: shape (m,), ``lower <= upper``.
         curve: of equality rows that ask to remove an error; None: nothing is known of it.
+        feed: of such rows, the part of ``lower`` that is no error but the velocity of the reference
+            (x_dot^d of T(16)), shape (m,); None: zero.
+        frame: of such rows, where they are not all six, or the first three, of the Jacobian of the
+            robot's tool in the axes of the world.
     """
 
     name: str
@@ -104,13 +124,27 @@ class LinearTask:
     lower: Vector
     upper: Vector
     curve: Curve | None = None
+    feed: Vector | None = None
+    frame: FrameRows | None = None
 
     @classmethod
     def equality(
-        cls, name: str, matrix: Matrix, target: Vector, curve: Curve | None = None
+        cls,
+        name: str,
+        matrix: Matrix,
+        target: Vector,
+        curve: Curve | None = None,
+        feed: Vector | None = None,
+        frame: FrameRows | None = None,
     ) -> LinearTask:
-        """Return the task ``matrix @ chi -> target``."""
-        return cls(name, matrix, target, target, curve)
+        """Return the task ``matrix @ chi -> target + feed``."""
+        both = target if feed is None else target + feed
+        return cls(name, matrix, both, both, curve, feed, frame)
+
+    @property
+    def correction(self) -> Vector:
+        """What equality rows with a curve ask for to remove their error, K e, shape (m,)."""
+        return self.lower if self.feed is None else self.lower - self.feed
 
     def residual(self, chi: Vector) -> Vector:
         """Return the signed distance of ``matrix @ chi`` to ``[lower, upper]``, shape (m,)."""

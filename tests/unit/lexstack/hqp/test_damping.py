@@ -10,7 +10,7 @@ from lexstack.hqp.groups import groups_of
 from lexstack.hqp.lift import Above, Bending
 from lexstack.hqp.valley import logarithm
 from lexstack.limits import Bounds, target_bounds
-from lexstack.references import References
+from lexstack.references import Motion, References
 from lexstack.robots import Pose, from_rpy
 from lexstack.tasks import LevelConfig, StackConfig, TaskConfig, build_stack
 from support.scenario import home, random_q, state_at, team
@@ -233,3 +233,41 @@ def test_a_short_row_of_a_jacobian_is_a_lost_direction_and_not_another_unit():
     box = Bounds(np.full(team().n, -5.0), np.full(team().n, 5.0))
     solution = make_solver().solve(HqpProblem(((rows,), *below), box))
     assert abs(solution.chi[3]) < 1.0, "nobody asks this joint to move at its bound"
+
+
+@pytest.mark.parametrize("kind", ["ee_pose", "frame_pose"])
+def test_the_velocity_of_a_reference_is_not_taken_for_an_error(kind):
+    """It is added to what the rows ask for, and changes neither the rows nor what they remove."""
+    stack, q = stack_of(kind, "posture", robot="robot_a"), stretched()
+    still, twist = references(q), np.array([0.2, 0.1, 0.3, 0.1, -0.2, 0.3])
+    motion = Motion(twists={(0, "tool"): twist})
+    moving = References(still.ee, still.base, 1, motion)
+    kinematics = team().kinematics(state_at(q))
+    bounds = target_bounds(q, team().limits, team().dt)
+    found = []
+    for there in (still, moving):
+        given = HqpProblem(stack.linearise(kinematics, there), bounds)
+        damped = Damper(team(), team().dt).damped(given, kinematics, team().limits)
+        assert damped.near[0].rows
+        found.append((given, damped.problem))
+    (given, one), (fed, other) = found
+    assert np.abs(fed.levels[0][0].feed).max() > 0.1
+    for level, another in zip(one.levels, other.levels, strict=True):
+        for task, same in zip(level, another, strict=True):
+            # Rows of damping have no order and no signs: what counts is their sum of squares.
+            rows, others = task.matrix, same.matrix
+            np.testing.assert_allclose(others.T @ others, rows.T @ rows, atol=1e-6)
+            asked, again = rows.T @ task.lower, others.T @ same.correction
+            np.testing.assert_allclose(again, asked, atol=1e-6)
+    change = other.levels[0][0].lower - one.levels[0][0].lower
+    np.testing.assert_allclose(change, fed.levels[0][0].feed, atol=1e-9)
+
+
+def test_a_level_at_its_reference_has_no_error_however_fast_the_reference_moves():
+    stack, q = stack_of("ee_pose", "posture", robot="robot_a"), home()
+    motion = Motion(twists={(0, "tool"): np.array([0.5, 0.5, 0.5, 1.0, 1.0, 1.0])})
+    moving = References(team().tools(q), tuple(q[part][:3] for part in team().slices), 1, motion)
+    levels = stack.linearise(team().kinematics(state_at(q)), moving)
+    given = HqpProblem(levels, target_bounds(q, team().limits, team().dt))
+    (group,) = groups_of(given, team().slices)
+    np.testing.assert_allclose(group.levels(given)[0].error, 0.0, atol=1e-12)

@@ -7,7 +7,7 @@ import pytest
 from lexstack.errors import ConfigurationError
 from lexstack.hqp import HqpProblem, make_solver
 from lexstack.limits import Bounds
-from lexstack.references import References
+from lexstack.references import Motion, References
 from lexstack.robots import Pose
 from lexstack.tasks import (
     TASKS,
@@ -163,3 +163,44 @@ def test_the_object_goes_where_the_level_below_takes_it():
 def test_a_wrong_pair_is_refused(parameters, message):
     with pytest.raises(ConfigurationError, match=message):
         TASKS["relative_pose"](team(), 0, parameters, "here")
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_references_that_move_against_each_other_move_the_goal_on_the_object(seed):
+    """What is asked for besides the correction is the derivative of the other tool's goal."""
+    rng = np.random.default_rng(seed)
+    q, step = random_q(rng), 1e-6
+    refs, twists = team().tools(random_q(rng)), rng.normal(size=(2, 6))
+    motion = Motion(twists={(0, "tool"): twists[0], (1, "tool"): twists[1]})
+    bases = (np.zeros(3), np.zeros(3))
+    kinematics = team().kinematics(state_at(q))
+    task = TASKS["relative_pose"](team(), 1, {"other": "robot_a"}, "here")
+    one, other = task.robots
+    still = task.linearise(kinematics, References(refs, bases))
+    moving = task.linearise(kinematics, References(refs, bases, 1, motion))
+
+    def goal(time):
+        ends = [
+            Pose(pose.position + time * twist[:3], pin.exp3(time * twist[3:]) @ pose.rotation)
+            for pose, twist in zip(refs, twists, strict=True)
+        ]
+        return other_end(kinematics.tools[one], ends[one], ends[other])
+
+    before, after = goal(-step), goal(step)
+    turn = pin.log3(after.rotation @ before.rotation.T)
+    expected = np.concatenate((after.position - before.position, turn)) / (2.0 * step)
+    np.testing.assert_allclose(moving.lower - still.lower, expected, atol=1e-6)
+    np.testing.assert_allclose(moving.correction, still.lower, atol=1e-12)
+
+
+def test_references_that_move_as_one_object_ask_for_nothing_more():
+    rng = np.random.default_rng(0)
+    refs, twist = team().tools(random_q(rng)), rng.normal(size=6)
+    lever = refs[1].position - refs[0].position
+    along = np.concatenate((twist[:3] + np.cross(twist[3:], lever), twist[3:]))
+    motion = Motion(twists={(0, "tool"): twist, (1, "tool"): along})
+    kinematics = team().kinematics(state_at(random_q(rng)))
+    task = TASKS["relative_pose"](team(), 1, {"other": "robot_a"}, "here")
+    moving = task.linearise(kinematics, References(refs, (np.zeros(3),) * 2, 1, motion))
+    # As seen by either robot: the task's own one comes first.
+    assert np.abs(moving.feed).max() < 1e-12

@@ -51,7 +51,7 @@ class Bend:
         if len(first.tasks) > 1 or curve is None or len(curve.signs) != 1 or second.curved:
             return None
         matrix = first.matrix
-        if len(matrix) != _POSE:
+        if len(matrix) != _POSE or first.partial:
             return None
         joints = matrix.shape[1]
         bends = np.zeros((_POSE, joints, joints))

@@ -48,6 +48,12 @@ def add_curvature(
     curve = task.curve
     if curve is None:
         return
+    if task.frame is not None:
+        forces = curve.scale * (weights @ task.frame.axes)
+        (robot,) = curve.robots
+        here, (linear, angular) = places[robot], np.split(task.frame.jacobian, 2)
+        into[here, here] += chain_curvature(linear, angular, forces)
+        return
     for robot, columns, sign in zip(curve.robots, curve.columns, curve.signs, strict=False):
         forces = np.zeros(6)
         forces[: weights.size] = (sign * curve.scale) * weights

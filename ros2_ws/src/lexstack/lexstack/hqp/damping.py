@@ -169,7 +169,7 @@ def _moved(task: LinearTask, more: Vector) -> LinearTask:
     if task.curve is None:
         return task
     target = task.lower + task.curve.gain * more[: task.lower.size]
-    return LinearTask.equality(task.name, task.matrix, target, task.curve)
+    return LinearTask(task.name, task.matrix, target, target, task.curve, task.feed, task.frame)
 
 
 def _sides(position: Vector, limits: JointLimits, dt: float) -> Vector | None:

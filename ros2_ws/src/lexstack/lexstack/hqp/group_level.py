@@ -33,6 +33,11 @@ class GroupLevel:
     nested: bool
     starts: tuple[int, ...]
 
+    @property
+    def partial(self) -> bool:
+        """Whether the rows of some task are a part of a Jacobian, or in other axes."""
+        return any(task.frame is not None for task in self.tasks)
+
     def unsaturated(self) -> Vector:
         """Return the error before the tasks saturated it, shape (m,)."""
         error = self.error.copy()
@@ -53,6 +58,9 @@ class GroupLevel:
         """Yield rows whose error was saturated together, and the length that it stays below."""
         for task, start in zip(self.tasks, self.starts, strict=True):
             if task.curve is not None:
-                for i, limit in enumerate(task.curve.limits):
+                sizes = task.curve.sizes or (3,) * len(task.curve.limits)
+                first = start
+                for size, limit in zip(sizes, task.curve.limits, strict=True):
                     longest = limit * task.curve.scale / task.curve.gain
-                    yield slice(start + 3 * i, start + 3 * i + 3), longest
+                    yield slice(first, first + size), longest
+                    first += size

@@ -63,7 +63,7 @@ class Group:
         """Return a task's rows that ask for something, on the group's joints, and their errors."""
         matrix = task.matrix[:, self.columns]
         if task.curve is not None:
-            return matrix, task.lower / task.curve.gain
+            return matrix, task.correction / task.curve.gain
         asking = _asking(task)
         if asking is None:
             return matrix[:0], np.zeros(0)

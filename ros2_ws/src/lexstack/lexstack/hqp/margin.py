@@ -46,7 +46,8 @@ class Seen:
         slope: by which s falls with d, at most.
         enough: with a larger singular value it has no row; ``SINGULAR`` in its unit.
         scale: the largest root of a weight among its tasks.
-        size: of a curved level below no other one |A|^2 + joints, in its unit; 0 for others.
+        size: of a curved level below no other one |A|^2 + joints, in its unit; 0 for others, and
+            where the rows do not show the whole Jacobian.
     """
 
     tasks: tuple[tuple[Place, float], ...]
@@ -145,8 +146,8 @@ class Margin:
                 return False
             error = 0.0
             for (k, place), factor in level.tasks:
-                lower = levels[k][place].lower
-                error += float(lower.dot(lower)) * factor * factor
+                asked = levels[k][place].correction
+                error += float(asked.dot(asked)) * factor * factor
             if error <= level.small(least, moved):
                 continue
             if self.bend is None or level is not self.levels[-1]:
@@ -179,7 +180,7 @@ def _seen(places: list[Place], level: GroupLevel, least: float, firm: float) -> 
         if task.curve is not None
     )
     size = 0.0
-    if level.curved and not level.nested:
+    if level.curved and not level.nested and not level.partial:
         joints = level.matrix.shape[1]
         size = (float(np.vdot(level.matrix, level.matrix)) + joints * level.scale**2) * _ROUNDING
     slope = 1.0 + (least + float(np.linalg.norm(level.matrix, 2))) / firm

@@ -131,13 +131,14 @@ def _threshold(level: GroupLevel, gram: Matrix, joints: int) -> float:
     """Return the square of the singular value above which nothing is added to a level.
 
     A level of curved tasks alone has |B(e)| <= 2 |e| |J_v| |J_w| <= |e| (|J|^2 + joints), and gets
-    no row where its smallest squared singular value is above that.
+    no row where its smallest squared singular value is above that; not so where the rows are a part
+    of the Jacobians alone.
     """
     size = math.sqrt(float(level.error.dot(level.error))) / level.scale
     if size <= MET:
         return 0.0
     squared = (SINGULAR * level.scale) ** 2
-    if not level.curved or level.nested or size * joints >= SINGULAR * SINGULAR:
+    if not level.curved or level.nested or level.partial or size * joints >= SINGULAR * SINGULAR:
         return squared
     most = size * (float(gram.trace()) + joints * level.scale**2)
     return min(squared, most)

@@ -103,7 +103,7 @@ def logarithm(level: GroupLevel, error: Vector, matrix: Matrix) -> Matrix:
     """
     total = np.zeros((matrix.shape[1], matrix.shape[1]))
     for task, start in zip(level.tasks, level.starts, strict=True):
-        if task.curve is None or len(task.curve.limits) < 2:
+        if task.curve is None or len(task.curve.limits) < 2 or task.curve.sizes:
             continue
         turn, rows = error[start + 3 : start + 6], matrix[start + 3 : start + 6]
         angle = math.sqrt(float(turn.dot(turn)))

@@ -1,7 +1,9 @@
-"""References: where the end effectors and the bases shall be, and from when on.
+"""References: where frames, bases and arms shall be, and how fast they shall move, at any time.
 
-The controller decides at which tick a target takes effect (``ReferenceSchedule``); whoever else
-needs the references follows its decisions (``ReferenceTimeline``).
+Each is a ``Trajectory``: a set-point that is led in, poses at times, a spline, a stream of twists,
+or one of the user's own. The controller decides at which tick a target takes effect
+(``ReferenceSchedule``); whoever else needs the references follows its decisions
+(``ReferenceTimeline``).
 """
 
 from typing import TYPE_CHECKING
@@ -10,35 +12,67 @@ from lexstack import on_demand
 
 if TYPE_CHECKING:
     from lexstack.references.encoding import WIDTHS, decode, encode
+    from lexstack.references.fading import Fading
     from lexstack.references.schedule import ReferenceSchedule
-    from lexstack.references.set_point import BASES, POSES, Fading, SetPoint
+    from lexstack.references.set_point import Led, SetPoint
+    from lexstack.references.spaces import BASES, JOINTS, POSES
+    from lexstack.references.spline import Spline, base_spline
     from lexstack.references.timeline import ROUNDING, ReferenceTimeline, Setting
-    from lexstack.references.values import References, Target, measured
+    from lexstack.references.trajectory import Trajectory
+    from lexstack.references.twist_stream import Twist, TwistStream
+    from lexstack.references.values import (
+        TOOL,
+        Motion,
+        References,
+        Target,
+        combined,
+        measured,
+    )
+    from lexstack.references.waypoints import MotionLimits, Waypoints, timed_waypoints
 else:
     __getattr__ = on_demand(
         __name__,
         {
             "encoding": "WIDTHS decode encode",
+            "fading": "Fading",
             "schedule": "ReferenceSchedule",
-            "set_point": "BASES POSES Fading SetPoint",
+            "set_point": "Led SetPoint",
+            "spaces": "BASES JOINTS POSES",
+            "spline": "Spline base_spline",
             "timeline": "ROUNDING ReferenceTimeline Setting",
-            "values": "References Target measured",
+            "trajectory": "Trajectory",
+            "twist_stream": "Twist TwistStream",
+            "values": "TOOL Motion References Target combined measured",
+            "waypoints": "MotionLimits Waypoints timed_waypoints",
         },
     )
 
 __all__ = [
     "BASES",
+    "JOINTS",
     "POSES",
     "ROUNDING",
+    "TOOL",
     "WIDTHS",
     "Fading",
+    "Led",
+    "Motion",
+    "MotionLimits",
     "ReferenceSchedule",
     "ReferenceTimeline",
     "References",
     "SetPoint",
     "Setting",
+    "Spline",
     "Target",
+    "Trajectory",
+    "Twist",
+    "TwistStream",
+    "Waypoints",
+    "base_spline",
+    "combined",
     "decode",
     "encode",
     "measured",
+    "timed_waypoints",
 ]

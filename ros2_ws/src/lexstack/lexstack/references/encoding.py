@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, TypeVar
 
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.references.set_point import Fading, SetPoint
+from lexstack.references.fading import Fading
+from lexstack.references.set_point import SetPoint
 from lexstack.references.timeline import Setting
+from lexstack.references.trajectory import Trajectory
 from lexstack.robots import Pose
 from lexstack.types import Matrix, Vector
+
+T = TypeVar("T")
 
 WIDTHS = {"ee": 12, "base": 3, "ee_lead": 20, "base_lead": 11}
 """How many numbers each vector has per robot."""
@@ -21,13 +25,20 @@ _SQUARE = 1e-6  # how far R^T R may be from the unit matrix
 
 
 def encode(setting: Setting) -> dict[str, Vector]:
-    """Return the vectors of a decision, by the names in ``WIDTHS``."""
-    poses = [np.concatenate((p.goal.position, p.goal.rotation.reshape(9))) for p in setting.ee]
+    """Return the vectors of a decision, by the names in ``WIDTHS``.
+
+    Raises:
+        InputError: a reference is no set-point: messages have no fields for others.
+    """
+    tools, bases = _set_points(setting.ee), _set_points(setting.base)
+    if setting.frames or setting.postures:
+        raise InputError("references: frames and postures are not sent, only tools and bases")
+    poses = [np.concatenate((p.goal.position, p.goal.rotation.reshape(9))) for p in tools]
     return {
         "ee": np.concatenate(poses),
-        "base": np.concatenate([point.goal for point in setting.base]),
-        "ee_lead": np.concatenate([_lead(point, 6) for point in setting.ee]),
-        "base_lead": np.concatenate([_lead(point, 3) for point in setting.base]),
+        "base": np.concatenate([point.goal for point in bases]),
+        "ee_lead": np.concatenate([_lead(point, 6) for point in tools]),
+        "base_lead": np.concatenate([_lead(point, 3) for point in bases]),
     }
 
 
@@ -62,6 +73,16 @@ def decode(
         tuple(SetPoint(pose, fading) for pose, fading in zip(poses, ee, strict=True)),
         tuple(SetPoint(row, fading) for row, fading in zip(rows["base"], base, strict=True)),
     )
+
+
+def _set_points(points: Iterable[Trajectory[T]]) -> tuple[SetPoint[T], ...]:
+    """Return references as the set-points that they are."""
+    found = []
+    for point in points:
+        if not isinstance(point, SetPoint) or point.fed:
+            raise InputError(f"references: a {type(point).__name__} is not sent, only set-points")
+        found.append(point)
+    return tuple(found)
 
 
 def _lead(point: SetPoint[Any], size: int) -> Vector:

@@ -5,13 +5,16 @@ from __future__ import annotations
 from bisect import insort
 from collections import defaultdict
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.references.set_point import BASES, POSES, SetPoint
+from lexstack.references.set_point import SetPoint
+from lexstack.references.taking import taken
 from lexstack.references.timeline import ROUNDING, ReferenceTimeline, Setting
-from lexstack.references.values import References, Target, measured
+from lexstack.references.twist_stream import Twist
+from lexstack.references.values import TOOL, References, Target, measured
 from lexstack.robots import Pose, Team
 from lexstack.types import Vector
 
@@ -30,7 +33,12 @@ class ReferenceSchedule:
     """
 
     def __init__(
-        self, initial: References, *, lead_in: float = 0.0, horizon: float = float("inf")
+        self,
+        initial: References,
+        *,
+        lead_in: float = 0.0,
+        horizon: float = float("inf"),
+        dt: float = 0.0,
     ) -> None:
         """Start with ``initial`` as the first references.
 
@@ -38,13 +46,14 @@ class ReferenceSchedule:
             initial: of all robots.
             lead_in: time in which the reference moves to a new target [s]; 0: it steps.
             horizon: how far ahead of the present a target's stamp may be [s].
+            dt: control period [s], see ``ReferenceTimeline``.
         """
-        self.timeline = ReferenceTimeline()
+        self.timeline = ReferenceTimeline(dt)
         self._initial = initial
         self._given: tuple[frozenset[int], frozenset[int]] | None = None
         self.lead_in = lead_in
         self._horizon = horizon
-        self._coming: dict[tuple[int, bool], list[Target]] = defaultdict(list)
+        self._coming: dict[tuple[int, str], list[Target]] = defaultdict(list)
         self._decided = -float("inf")  # s, the last tick that was decided
         self._revision = 0
         self._news: list[Setting] = []
@@ -82,7 +91,7 @@ class ReferenceSchedule:
                 for name, place in zip(team.names, expected.base, strict=True)
             ),
         )
-        schedule = cls(initial, lead_in=lead_in, horizon=horizon)
+        schedule = cls(initial, lead_in=lead_in, horizon=horizon, dt=team.dt)
         schedule._given = (
             frozenset(team.index(name) for name in ee),
             frozenset(team.index(name) for name in base),
@@ -112,7 +121,7 @@ class ReferenceSchedule:
     def resume(self, last: Setting, stamp: float) -> None:
         """Go on with another controller's last decision, from a time [s] on; see ``begin``."""
         if not self.begun:
-            self._take(stamp, last.ee, last.base)
+            self._take(replace(last, at=stamp))
 
     def count_on(self, other: ReferenceSchedule) -> None:
         """Number the decisions after those of another schedule, which this one replaces."""
@@ -125,14 +134,16 @@ class ReferenceSchedule:
         Raises:
             InputError: its stamp is too far ahead, or its robot has too many targets to come.
         """
-        kind = "ee_target" if target.ee is not None else "base_target"
+        kind = target.kind
+        if isinstance(target.ee, Twist) and target.frame != TOOL and not self._placed(target):
+            raise InputError(f"{kind}: a twist needs a pose to begin from, give that first")
         ahead = target.at - max(self._decided, 0.0)
         if ahead > self._horizon:
             raise InputError(
                 f"{kind}: stamp {target.at:.3f} s is {ahead:.6g} s ahead of the simulated time, "
                 f"more than {self._horizon:g} s; stamp 0 means now"
             )
-        coming = self._coming[target.robot, target.ee is not None]
+        coming = self._coming[target.robot, kind]
         insort(coming, target, key=lambda entry: entry.at)  # after those for the same time
         if len(coming) > _MOST:
             last = coming.pop()
@@ -148,16 +159,16 @@ class ReferenceSchedule:
         last, due = self.timeline.newest, self._due(stamp)
         if last is not None and not due:
             return
-        ee = last.ee if last else tuple(SetPoint(pose) for pose in self._initial.ee)
-        base = last.base if last else tuple(SetPoint(place) for place in self._initial.base)
+        setting = last or Setting(
+            stamp,
+            0,
+            tuple(SetPoint(pose) for pose in self._initial.ee),
+            tuple(SetPoint(place) for place in self._initial.base),
+        )
         for target in due:
-            ee, base = self._applied(ee, base, target, stamp)
-        if (
-            last is None
-            or any(a is not b for a, b in zip(ee, last.ee, strict=True))
-            or any(a is not b for a, b in zip(base, last.base, strict=True))
-        ):
-            self._take(stamp, ee, base)
+            setting = taken(setting, target, stamp, self.lead_in)
+        if setting is not last:
+            self._take(replace(setting, at=stamp))
 
     def at(self, stamp: float) -> References:
         """Return the references of the tick at a time [s]; it is decided if it was not yet."""
@@ -169,12 +180,16 @@ class ReferenceSchedule:
         news, self._news = self._news, []
         return news
 
-    def _take(
-        self, stamp: float, ee: tuple[SetPoint[Pose], ...], base: tuple[SetPoint[Vector], ...]
-    ) -> None:
+    def _placed(self, target: Target) -> bool:
+        """Return whether the frame of a target has a pose, or will have one before it."""
+        last, coming = self.timeline.newest, self._coming[target.robot, target.kind]
+        known = last is not None and (target.robot, target.frame) in last.frames
+        return known or any(entry.at <= target.at for entry in coming)
+
+    def _take(self, setting: Setting) -> None:
         """Make a decision."""
         self._revision += 1
-        setting = Setting(stamp, self._revision, ee, base)
+        setting = replace(setting, revision=self._revision)
         self.timeline.hear(setting)
         self._news.append(setting)
 
@@ -191,27 +206,3 @@ class ReferenceSchedule:
                 due.append(coming[count - 1])
                 del coming[:count]
         return due
-
-    def _applied(
-        self,
-        ee: tuple[SetPoint[Pose], ...],
-        base: tuple[SetPoint[Vector], ...],
-        target: Target,
-        stamp: float,
-    ) -> tuple[tuple[SetPoint[Pose], ...], tuple[SetPoint[Vector], ...]]:
-        """Return the set-points with one target put in; one that says nothing new changes none."""
-        i = target.robot
-        if target.ee is not None and not _same_pose(ee[i].goal, target.ee):
-            point = ee[i].led_to(target.ee, stamp, self.lead_in, POSES)
-            ee = (*ee[:i], point, *ee[i + 1 :])
-        if target.base is not None and not np.array_equal(base[i].goal, target.base):
-            place = base[i].led_to(target.base, stamp, self.lead_in, BASES)
-            base = (*base[:i], place, *base[i + 1 :])
-        return ee, base
-
-
-def _same_pose(one: Pose, other: Pose) -> bool:
-    """Return whether two poses are equal in every bit."""
-    return np.array_equal(one.position, other.position) and np.array_equal(
-        one.rotation, other.rotation
-    )

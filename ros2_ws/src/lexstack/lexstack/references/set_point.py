@@ -8,102 +8,27 @@ follows with full acceleration. The reference therefore moves to a new goal alon
 with s = t / T, a(s) = 10 s^3 - 15 s^4 + 6 s^5, H_1(s) = s (1 - s)^3 (1 + 3 s) and
 H_2(s) = s^2 (1 - s)^3 / 2: the quintic that starts with the position, velocity and acceleration
 that the reference has, and ends at rest. A new goal on the way therefore changes neither velocity
-nor acceleration of the reference.
+nor acceleration of the reference. A goal may move itself: ``Led`` is the same way to a trajectory.
+
+The velocity of the way to a set-point is not added to what tasks ask for (``rate`` is None), so
+tasks follow it by their gains alone; but it is added where the reference leaves a trajectory whose
+velocity was added until then, as this velocity would jump to zero otherwise.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar, cast
 
 import numpy as np
-import pinocchio as pin
 
+from lexstack.references.fading import Fading, faded
+from lexstack.references.spaces import BASES, POSES, Space
+from lexstack.references.trajectory import Trajectory
 from lexstack.robots import Pose
-from lexstack.robots.spatial import log3, wrap
 from lexstack.types import Vector
 
 T = TypeVar("T")
-
-_STEP = 1e-3  # s, for differences: its square is the relative error of a rate
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Fading:
-    """A gap that fades to zero, at rest in the end.
-
-    Attributes:
-        start: simulated time at which it began [s].
-        duration: T [s], positive.
-        gap: at the start, shape (m,): m, then rad.
-        rate: its derivative there, shape (m,), m/s and rad/s.
-        curvature: its second derivative there, shape (m,), m/s^2 and rad/s^2.
-    """
-
-    start: float
-    duration: float
-    gap: Vector
-    rate: Vector
-    curvature: Vector
-
-    def over(self, stamp: float) -> bool:
-        """Return whether the gap is zero at a time [s]."""
-        return stamp - self.start >= self.duration
-
-    def at(self, stamp: float) -> Vector:
-        """Return the gap at a time [s], shape (m,)."""
-        s = min((stamp - self.start) / self.duration, 1.0)
-        rest = (1.0 - s) ** 3
-        by_gap = rest * (1.0 + s * (3.0 + 6.0 * s))  # 1 - a(s)
-        by_rate = self.duration * s * rest * (1.0 + 3.0 * s)
-        by_curvature = self.duration**2 * 0.5 * s * s * rest
-        return by_gap * self.gap + by_rate * self.rate + by_curvature * self.curvature
-
-
-class Space(Protocol[T]):
-    """What a set-point needs of the kind of its goal."""
-
-    def gap(self, goal: T, value: T) -> Vector:
-        """Return ``value`` as seen from ``goal``."""
-        ...
-
-    def moved(self, goal: T, gap: Vector) -> T:
-        """Return what is a gap away from ``goal``: the inverse of ``gap``."""
-        ...
-
-
-class Poses:
-    """Poses: the gap is a translation in the world and a rotation vector in the goal's axes."""
-
-    def gap(self, goal: Pose, value: Pose) -> Vector:
-        """Return p - p_goal [m] and log(R_goal^T R) [rad], shape (6,)."""
-        turn = log3(goal.rotation.T @ value.rotation)
-        return np.concatenate((value.position - goal.position, turn))
-
-    def moved(self, goal: Pose, gap: Vector) -> Pose:
-        """Return the pose with position p_goal + gap[:3] and rotation R_goal exp(gap[3:])."""
-        turn = np.asarray(pin.exp3(gap[3:]))
-        return Pose(goal.position + gap[:3], goal.rotation @ turn)
-
-
-class Bases:
-    """Planar poses x, y [m], yaw [rad]; the gap takes the short way round."""
-
-    def gap(self, goal: Vector, value: Vector) -> Vector:
-        """Return the difference, its yaw in (-pi, pi], shape (3,)."""
-        x, y, yaw = (float(one) for one in value - goal)
-        return np.array([x, y, wrap(yaw)])
-
-    def moved(self, goal: Vector, gap: Vector) -> Vector:
-        """Return the sum, shape (3,)."""
-        return np.asarray(goal + gap)
-
-
-POSES = Poses()
-"""How references of tools are compared and led in."""
-BASES = Bases()
-"""How references of bases are compared and led in."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,56 +36,127 @@ class SetPoint(Generic[T]):
     """A goal, and what is left of the way to it.
 
     Attributes:
-        goal: a pose, or x, y, yaw.
+        goal: a pose, or x, y, yaw, or positions of joints.
         fading: the way; None: the reference is the goal.
+        space: of the goal; None: that of poses, or of bases.
+        fed: whether the velocity on the way is added to what tasks ask for.
     """
 
     goal: T
     fading: Fading | None = None
+    space: Space[T] | None = None
+    fed: bool = False
+
+    @property
+    def end(self) -> float:
+        """The time from which it rests [s]."""
+        return -np.inf if self.fading is None else self.fading.start + self.fading.duration
 
     def settled(self, stamp: float) -> bool:
         """Return whether the reference is the goal at a time [s], and from then on."""
         return self.fading is None or self.fading.over(stamp)
 
-    def at(self, stamp: float, space: Space[T]) -> T:
+    def at(self, stamp: float, space: Space[T] | None = None) -> T:
         """Return the reference at a time [s]; the goal itself, not a copy, once it is there."""
         if self.fading is None or self.fading.over(stamp):
             return self.goal
-        return space.moved(self.goal, self.fading.at(stamp))
+        return (space or self._space).moved(self.goal, self.fading.at(stamp))
+
+    def rate(self, stamp: float) -> Vector | None:
+        """Return its velocity at a time [s] where it is ``fed``; None: at rest, or not fed."""
+        if not self.fed or self.fading is None or self.fading.over(stamp):
+            return None
+        gap, rate = self.fading.at(stamp), self.fading.rate_at(stamp)
+        return self._space.velocity(self.goal, np.zeros_like(gap), gap, rate)
 
     def led_to(self, goal: T, stamp: float, duration: float, space: Space[T]) -> SetPoint[T]:
-        """Return the way to another goal.
+        """Return the way from here to another goal, see ``led``."""
+        return led(self, goal, stamp, duration, space)
 
-        Args:
-            goal: where to.
-            stamp: time of the change [s].
-            duration: of the way [s]; 0: the reference steps.
-            space: of the goals.
-        """
-        if duration <= 0.0:
-            return SetPoint(goal)
-        gap = space.gap(goal, self.at(stamp, space))
-        if self.settled(stamp):
-            zeros = np.zeros_like(gap)
-            return SetPoint(goal, Fading(stamp, duration, gap, zeros, zeros))
-        before, after = (
-            _nearest(space.gap(goal, self.at(stamp + step, space)), gap) for step in (-_STEP, _STEP)
-        )
-        rate = (after - before) / (2.0 * _STEP)
-        curvature = (after - 2.0 * gap + before) / _STEP**2
-        return SetPoint(goal, Fading(stamp, duration, gap, rate, curvature))
+    @property
+    def _space(self) -> Space[T]:
+        """Return the kind of the goal."""
+        known = POSES if isinstance(self.goal, Pose) else BASES
+        return self.space or cast("Space[T]", known)
 
 
-def _nearest(gap: Vector, other: Vector) -> Vector:
-    """Return a gap with its angles in the turn that is nearest to another gap's.
+@dataclass(frozen=True, slots=True, eq=False)
+class Led(Generic[T]):
+    """A trajectory, and what is left of the way to it: ``goal(t) (+) gap(t)``.
 
-    A rotation by nearly pi has two vectors, a yaw of nearly pi two signs: a difference between
-    them would be taken for a speed.
+    Attributes:
+        goal: where the way ends; it moves itself.
+        fading: the way.
+        space: of the goal.
     """
-    if len(gap) == len(other) == 3:
-        return np.array([gap[0], gap[1], other[2] + wrap(float(gap[2] - other[2]))])
-    turn = gap[3:]
-    angle = math.sqrt(float(turn @ turn))
-    if angle and float(np.abs(turn - other[3:]).max()) > math.pi:
-        turn = turn * (1.0 - 2.0 * math.pi / angle)
-    return np.concatenate((gap[:3], turn))
+
+    goal: Trajectory[T]
+    fading: Fading
+    space: Space[T]
+
+    @property
+    def end(self) -> float:
+        """The time from which it rests [s]."""
+        return max(self.goal.end, self.fading.start + self.fading.duration)
+
+    def at(self, stamp: float) -> T:
+        """Return the reference at a time [s]."""
+        goal = self.goal.at(stamp)
+        return goal if self._over(stamp) else self.space.moved(goal, self.fading.at(stamp))
+
+    def rate(self, stamp: float) -> Vector | None:
+        """Return its velocity at a time [s]."""
+        rate = self.goal.rate(stamp)
+        if self._over(stamp):
+            return rate
+        gap, gap_rate = self.fading.at(stamp), self.fading.rate_at(stamp)
+        rate = np.zeros_like(gap) if rate is None else rate
+        return self.space.velocity(self.goal.at(stamp), rate, gap, gap_rate)
+
+    def _over(self, stamp: float) -> bool:
+        """Return whether the way is over; it is not before ``end``, so that it rests from there."""
+        return stamp >= self.fading.start + self.fading.duration
+
+
+def settled(motion: Trajectory[T], stamp: float) -> bool:
+    """Return whether a reference rests at a time [s], and from then on."""
+    return motion.settled(stamp) if isinstance(motion, SetPoint) else stamp >= motion.end
+
+
+def led(
+    motion: Trajectory[T], goal: T, stamp: float, duration: float, space: Space[T]
+) -> SetPoint[T]:
+    """Return the way from any reference to a set-point.
+
+    Args:
+        motion: the reference until now.
+        goal: where to.
+        stamp: time of the change [s].
+        duration: of the way [s]; 0: the reference steps.
+        space: of the goals.
+    """
+    if duration <= 0.0:
+        return SetPoint(goal, space=space)
+    fed = motion.rate(stamp) is not None
+    still = settled(motion, stamp)
+    way = faded(lambda t: space.gap(goal, motion.at(t)), stamp, duration, space, still=still)
+    return SetPoint(goal, way, space, fed)
+
+
+def led_onto(
+    motion: Trajectory[T], goal: Trajectory[T], stamp: float, duration: float, space: Space[T]
+) -> Trajectory[T]:
+    """Return the way from any reference to a trajectory.
+
+    Args:
+        motion: the reference until now.
+        goal: the trajectory, which goes on meanwhile.
+        stamp: time of the change [s].
+        duration: of the way [s]; 0: the reference steps.
+        space: of their values.
+    """
+    if duration <= 0.0:
+        return goal
+    return Led(
+        goal, faded(lambda t: space.gap(goal.at(t), motion.at(t)), stamp, duration, space), space
+    )

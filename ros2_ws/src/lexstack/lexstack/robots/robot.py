@@ -174,6 +174,20 @@ class RobotModel:
         """Return the tool's pose and its Jacobian (6, n), LOCAL_WORLD_ALIGNED, at q (n,)."""
         return self.at(q, self._tool)
 
+    def centre_of_mass(self, q: Vector) -> tuple[Vector, Matrix]:
+        """Return the centre of mass in the world (3,), m, and its Jacobian (3, n) at q (n,)."""
+        joints = self.map
+        every = q if joints is None else joints.positions(q)
+        jacobian = np.array(pin.jacobianCenterOfMass(self.pinocchio, self._data, every, False))
+        if joints is not None:
+            jacobian = jacobian.reshape(3, -1) @ joints.matrix
+        return self._data.com[0].copy(), jacobian.reshape(3, self.n)
+
+    @property
+    def mass(self) -> float:
+        """The mass of all bodies of the model [kg]."""
+        return float(sum(inertia.mass for inertia in self.pinocchio.inertias))
+
     def at(self, q: Vector, frame: int) -> tuple[Pose, Matrix]:
         """Return a frame's pose and its Jacobian at q (n,).
 

@@ -5,10 +5,21 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
+    from lexstack.tasks.axis_alignment import AxisAlignment
     from lexstack.tasks.base_pose import Base
+    from lexstack.tasks.centre_of_mass import CentreOfMass
     from lexstack.tasks.collision_avoidance import CollisionAvoidance, CollisionAvoidanceParameters
+    from lexstack.tasks.cone import Cone
+    from lexstack.tasks.frame_orientation import FrameOrientation
     from lexstack.tasks.frame_pose import EePose, EePoseParameters, pose_error, saturated
     from lexstack.tasks.frame_position import EePosition
+    from lexstack.tasks.frame_velocity_limit import FrameVelocityLimit
+    from lexstack.tasks.framed_pose import FramePose
+    from lexstack.tasks.framed_position import FramePosition
+    from lexstack.tasks.half_space import HalfSpace
+    from lexstack.tasks.joint_coupling import JointCoupling
+    from lexstack.tasks.look_at import LookAt
+    from lexstack.tasks.manipulability import Manipulability
     from lexstack.tasks.options import (
         JointLimitConfig,
         LevelConfig,
@@ -26,10 +37,21 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
+            "axis_alignment": "AxisAlignment",
             "base_pose": "Base",
+            "centre_of_mass": "CentreOfMass",
             "collision_avoidance": "CollisionAvoidance CollisionAvoidanceParameters",
+            "cone": "Cone",
+            "frame_orientation": "FrameOrientation",
             "frame_pose": "EePose EePoseParameters pose_error saturated",
             "frame_position": "EePosition",
+            "frame_velocity_limit": "FrameVelocityLimit",
+            "framed_pose": "FramePose",
+            "framed_position": "FramePosition",
+            "half_space": "HalfSpace",
+            "joint_coupling": "JointCoupling",
+            "look_at": "LookAt",
+            "manipulability": "Manipulability",
             "options": "JointLimitConfig LevelConfig StackConfig TaskConfig plan_stack",
             "posture": "Posture PostureParameters posture_target",
             "registry": "TASKS register_task",
@@ -43,15 +65,26 @@ else:
 __all__ = [
     "AT_REST",
     "TASKS",
+    "AxisAlignment",
     "Base",
+    "CentreOfMass",
     "CollisionAvoidance",
     "CollisionAvoidanceParameters",
+    "Cone",
     "EePose",
     "EePoseParameters",
     "EePosition",
+    "FrameOrientation",
+    "FramePose",
+    "FramePosition",
+    "FrameVelocityLimit",
+    "HalfSpace",
+    "JointCoupling",
     "JointLimitConfig",
     "Level",
     "LevelConfig",
+    "LookAt",
+    "Manipulability",
     "Posture",
     "PostureParameters",
     "RelativePose",

@@ -23,7 +23,7 @@ class BaseParameters:
 
 
 class Base:
-    """Phi chi -> lambda (x_d - x*), with the integrated base pose x* and yaw wrapped."""
+    """Phi chi -> x_dot_d + lambda (x_d - x*), with the integrated base pose x* and yaw wrapped."""
 
     def __init__(self, team: Team, robot: int, parameters: BaseParameters) -> None:
         """Make the task of the robot at place ``robot``; raises ModelError where it has no base."""
@@ -51,4 +51,5 @@ class Base:
         """Return 3 rows: x and y [m/s], yaw [rad/s], in the world frame."""
         error = references.base[self._robot] - kinematics.state.q_star[self._columns]
         error[2] = wrap(error[2])
-        return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve)
+        feed = references.motion.bases.get(self._robot)
+        return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve, feed)

@@ -12,6 +12,7 @@ from lexstack.options import Positive, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Pose, Team
 from lexstack.robots.spatial import log3
+from lexstack.tasks.feed_forward import feed_forward
 from lexstack.types import Curve, LinearTask, Vector
 
 
@@ -25,7 +26,7 @@ class EePoseParameters:
 
 
 class EePose:
-    """J chi -> sat(K_p e), with the measured pose: e = (p_d - p, R log3(R^T R_d))."""
+    """J chi -> x_dot^d + sat(K_p e), with the measured pose: e = (p_d - p, R log3(R^T R_d))."""
 
     def __init__(self, team: Team, robot: int, parameters: EePoseParameters) -> None:
         """Make the task of the robot at place ``robot`` of the team."""
@@ -34,6 +35,7 @@ class EePose:
         self._robot = robot
         self._columns = team.slices[robot]
         self._n = team.n
+        self._dt = team.dt
         self._parameters = parameters
         limits = (parameters.max_linear, parameters.max_angular)
         self._curve = Curve(parameters.gain, (robot,), (self._columns,), (1.0,), limits)
@@ -52,7 +54,11 @@ class EePose:
         target[3:] = saturated(gain * error[3:], self._parameters.max_angular)
         matrix = np.zeros((6, self._n))
         matrix[:, self._columns] = kinematics.jacobians[self._robot]
-        return LinearTask.equality(self.name, matrix, target, self._curve)
+        feed = references.twist(self._robot)
+        if feed is not None:
+            command = kinematics.state.command[self._columns]
+            feed = feed_forward(feed, kinematics.jacobians[self._robot], command, self._dt)
+        return LinearTask.equality(self.name, matrix, target, self._curve, feed)
 
 
 def pose_error(actual: Pose, desired: Pose) -> Vector:

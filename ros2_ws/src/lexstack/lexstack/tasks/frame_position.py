@@ -10,6 +10,7 @@ import numpy as np
 from lexstack.options import Positive, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
+from lexstack.tasks.feed_forward import feed_forward
 from lexstack.tasks.frame_pose import saturated
 from lexstack.types import Curve, LinearTask
 
@@ -23,7 +24,7 @@ class EePositionParameters:
 
 
 class EePosition:
-    """J_v chi -> sat(K_p (p_d - p)), with the measured position p of the tool."""
+    """J_v chi -> p_dot_d + sat(K_p (p_d - p)), with the measured position p of the tool."""
 
     def __init__(self, team: Team, robot: int, parameters: EePositionParameters) -> None:
         """Make the task of the robot at place ``robot`` of the team."""
@@ -32,6 +33,7 @@ class EePosition:
         self._robot = robot
         self._columns = team.slices[robot]
         self._n = team.n
+        self._dt = team.dt
         self._parameters = parameters
         limits = (parameters.max_linear,)
         self._curve = Curve(parameters.gain, (robot,), (self._columns,), (1.0,), limits)
@@ -49,4 +51,8 @@ class EePosition:
         target = saturated(self._parameters.gain * error, self._parameters.max_linear)
         matrix = np.zeros((3, self._n))
         matrix[:, self._columns] = kinematics.jacobians[self._robot][:3]
-        return LinearTask.equality(self.name, matrix, target, self._curve)
+        feed = references.twist(self._robot)
+        if feed is not None:
+            command = kinematics.state.command[self._columns]
+            feed = feed_forward(feed, kinematics.jacobians[self._robot], command, self._dt)[:3]
+        return LinearTask.equality(self.name, matrix, target, self._curve, feed)

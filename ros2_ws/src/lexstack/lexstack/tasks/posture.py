@@ -1,4 +1,10 @@
-"""Arm posture, T(22) to T(25) with the sign, the gain and the mid-range put right."""
+"""Arm posture, T(22) to T(25) with the sign, the gain and the mid-range put right.
+
+    W Gamma chi -> W (q_dot_d + lambda (q_d - q*))
+
+with W the roots of the weights. A posture among the references (``Target.posture``) takes the place
+of the parameter's. pink and mink: ``PostureTask``; placo: ``JointsTask``.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +13,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from lexstack.options import Finite, Positive, build, same_length
+from lexstack.errors import ConfigurationError
+from lexstack.options import Finite, Positive, build, same_length, shown
 from lexstack.references import References
 from lexstack.robots import Kinematics, RobotModel, Team
 from lexstack.types import Curve, LinearTask, Vector
@@ -20,10 +27,12 @@ class PostureParameters:
     gain: Positive = 1.0  # lambda [1/s]
     # rad; None: the robot's own posture; mid_range: (q_max + q_min) / 2, as in T
     target: Literal["mid_range"] | tuple[Finite, ...] | None = None
+    joints: tuple[str, ...] = ()  # names of the arm's joints that have a row; empty: all
+    weights: tuple[Positive, ...] = ()  # of the squared residual of each row; empty: all 1
 
 
 class Posture:
-    """Gamma chi -> lambda (q_d - q*), with the integrated arm posture q*."""
+    """Gamma chi -> q_dot_d + lambda (q_d - q*), with the integrated arm posture q*."""
 
     def __init__(
         self, team: Team, robot: int, parameters: PostureParameters, where: str = "posture"
@@ -31,10 +40,20 @@ class Posture:
         """Make the task of the robot at place ``robot``; raises for a target of wrong length."""
         self.name = f"{team.names[robot]}/posture"
         self.robots = (robot,)
-        self._target = posture_target(team.robots[robot], parameters, where)
+        model = team.robots[robot]
+        self._target = posture_target(model, parameters, where)
         start = team.slices[robot].stop - len(self._target)
         self._columns = slice(start, team.slices[robot].stop)
         self._matrix = np.eye(len(self._target), team.n, start)
+        self._kept: list[int] | None = None
+        if parameters.joints:
+            self._kept = _kept(model, parameters.joints, where)
+            self._matrix = self._matrix[self._kept]
+        self._roots: Vector | None = None
+        if parameters.weights:
+            same_length(where, len(self._matrix), weights=parameters.weights)
+            self._roots = np.sqrt(parameters.weights)
+            self._matrix = self._roots[:, None] * self._matrix
         self._matrix.setflags(write=False)  # solvers may remember it
         self._gain = parameters.gain
         self._curve = Curve(parameters.gain, (robot,), (team.slices[robot],))
@@ -45,9 +64,26 @@ class Posture:
         return cls(team, robot, build(PostureParameters, parameters, where), where)
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
-        """Return one row per arm joint [rad/s]."""
-        error = self._target - kinematics.state.q_star[self._columns]
-        return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve)
+        """Return one row per arm joint that is kept [rad/s], times the root of its weight."""
+        motion = references.motion
+        target = motion.postures.get(self.robots[0], self._target)
+        error = target - kinematics.state.q_star[self._columns]
+        feed = motion.posture_rates.get(self.robots[0])
+        if self._kept is not None:
+            error, feed = error[self._kept], None if feed is None else feed[self._kept]
+        if self._roots is not None:
+            error, feed = self._roots * error, None if feed is None else self._roots * feed
+        return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve, feed)
+
+
+def _kept(model: RobotModel, joints: tuple[str, ...], where: str) -> list[int]:
+    """Return the places of joints among those of the arm; raises for others, or one twice."""
+    known = model.joints[model.arm]
+    for joint in joints:
+        if joint not in known or joints.count(joint) > 1:
+            what = "stands in it twice" if joint in known else f"unknown; known: {', '.join(known)}"
+            raise ConfigurationError(f"{where}: joints: {shown(joint)}: {what}")
+    return [known.index(joint) for joint in joints]
 
 
 def posture_target(model: RobotModel, parameters: PostureParameters, where: str) -> Vector:

@@ -89,7 +89,25 @@ class RelativePose:
         matrix[:, self._columns[0]] = -held
         matrix[:3, self._columns[0]] += cross(lever) @ held[3:]
         matrix[:, self._columns[1]] = kinematics.jacobians[other]
-        return LinearTask.equality(self.name, matrix, target, self._curve)
+        feed = self._feed(kinematics, references)
+        return LinearTask.equality(self.name, matrix, target, self._curve, feed)
+
+    def _feed(self, kinematics: Kinematics, references: References) -> Vector | None:
+        """Return the velocity of the other tool's goal on the object, shape (6,); None: it rests.
+
+        The references' relative motion, turned with the object; moving together is none.
+        """
+        one, other = self._robots
+        held, free = references.twist(one), references.twist(other)
+        if held is None and free is None:
+            return None
+        held = np.zeros(6) if held is None else held
+        free = np.zeros(6) if free is None else free
+        first = references.ee[one]
+        lever = references.ee[other].position - first.position
+        turn = kinematics.tools[one].rotation @ first.rotation.T
+        linear = free[:3] - held[:3] - np.cross(held[3:], lever)
+        return np.concatenate((turn @ linear, turn @ (free[3:] - held[3:])))
 
 
 def other_end(tool: Pose, reference: Pose, other_reference: Pose) -> Pose:

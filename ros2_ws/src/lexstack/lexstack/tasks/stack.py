@@ -230,7 +230,9 @@ def _scaled(task: LinearTask, scale: float) -> LinearTask:
     if scale == 1.0:
         return task
     rows = (scale * task.matrix, scale * task.lower, scale * task.upper)
-    return LinearTask(task.name, *rows, task.curve and _scaled_curve(task.curve, scale))
+    curve = task.curve and _scaled_curve(task.curve, scale)
+    feed = None if task.feed is None else scale * task.feed
+    return LinearTask(task.name, *rows, curve, feed, task.frame)
 
 
 @lru_cache(maxsize=256)

@@ -74,7 +74,8 @@ def bridged(
 
 def _moved_by(task: LinearTask, gap: Vector) -> LinearTask:
     """Return a task with its ends moved by ``gap``, shape (m,)."""
-    return LinearTask(task.name, task.matrix, task.lower + gap, task.upper + gap, task.curve)
+    ends = task.lower + gap, task.upper + gap
+    return LinearTask(task.name, task.matrix, *ends, task.curve, task.feed, task.frame)
 
 
 def _gap(task: LinearTask, command: Vector) -> Vector:

@@ -233,7 +233,10 @@ class Transition:
         channels, plans = [], []
         for channel in self._channels:
             before = channel.used or context.references
-            now = before if held and held.intersection(channel.group.robots) else context.references
+            now = context.references
+            # A trajectory goes on meanwhile: the decision is the same.
+            if held and held.intersection(channel.group.robots) and not now.same_motion(before):
+                now = before
             mine = context.between(before, now)
             after, plan = channel.step(mine, self._sources, adopts=self._adopts)
             channels.append(after)

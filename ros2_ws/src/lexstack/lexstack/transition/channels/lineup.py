@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from lexstack.options import shown
-from lexstack.references import References
+from lexstack.references import References, combined
 from lexstack.robots import Team
 from lexstack.tasks.stack import Stack
 from lexstack.transition.channels.channel import Channel
@@ -106,10 +106,6 @@ def references_before(channels: Sequence[Channel], references: References) -> Re
     first = channels[0].used or references
     if all((channel.used or references) is first for channel in channels):
         return first
-    ee, base, revisions = list(references.ee), list(references.base), []
-    for channel in channels:
-        used = channel.used or references
-        for robot in channel.group.robots:
-            ee[robot], base[robot] = used.ee[robot], used.base[robot]
-        revisions.append(used.revision)
-    return References(tuple(ee), tuple(base), max(revisions))
+    return combined(
+        ((channel.group.robots, channel.used or references) for channel in channels), references
+    )

@@ -1,0 +1,57 @@
+"""Orientation of any frame of a robot, the last three rows of T(16), or some of them.
+
+The rows, axes and gains are those of ``frame_task``. pink and mink: ``FrameTask`` with
+``position_cost=0``; placo: ``OrientationTask``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from lexstack.options import Positive, build
+from lexstack.references import TOOL
+from lexstack.robots import Team
+from lexstack.tasks.frame_task import (
+    WORLD,
+    FrameChoice,
+    FrameTask,
+    Gain,
+    check_gain,
+    check_mask,
+    gain_of,
+    kept_rows,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class FrameOrientationParameters:
+    """Parameters of the task ``frame_orientation``."""
+
+    frame: str = TOOL  # of the robot: a link or joint of its description
+    axes: str = WORLD  # of error, mask and gain: world, local, or another frame of the robot
+    mask: tuple[bool, bool, bool] = (True, True, True)  # about x, y, z
+    gain: Gain = 3.0  # K_p [1/s]: a number, the diagonal, or the rows of the matrix
+    max_angular: Positive = 1.0  # rad/s, saturation of |K_p e| of the orientation
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError for a value out of range."""
+        check_mask(where, self.mask)
+        check_gain(where, self.gain, 3)
+
+
+class FrameOrientation(FrameTask):
+    """A J chi -> A x_dot^d + sat(K_p A e), with the measured pose of the frame."""
+
+    kind = "frame_orientation"
+
+    @classmethod
+    def from_config(
+        cls, team: Team, robot: int, parameters: dict[str, Any], where: str
+    ) -> FrameOrientation:
+        """Return the task that a stack file describes; raises ConfigurationError."""
+        p = build(FrameOrientationParameters, parameters, where)
+        rows, gain = kept_rows(p.mask, 3), gain_of(p.gain, p.mask)
+        return cls(
+            team, robot, FrameChoice(p.frame, p.axes, rows, gain, (1.0, p.max_angular)), where
+        )
