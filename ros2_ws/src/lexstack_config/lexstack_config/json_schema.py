@@ -118,7 +118,8 @@ class _Maker:
             kinds.append({"const": name, "description": task.__doc__.partition("\n")[0]})
             if name in older:
                 kinds.append({"const": older[name], "deprecationMessage": f"now {name}"})
-            parameters = typing.get_type_hints(task.__init__)["parameters"]
+            given = typing.get_type_hints(task.__init__).get("parameters")
+            parameters = given or task.parameters
             part = self._reference(parameters)
             needed = ["parameters"] * bool(self.definitions[parameters.__name__]["required"])
             names = [name, *filter(None, [older.get(name)])]

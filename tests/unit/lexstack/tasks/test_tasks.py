@@ -33,8 +33,8 @@ NEEDED = {  # parameters without a default
     "relative_pose": {"other": "robot_a"},
 }
 COUPLED = {"relative_pose"}
-# Nothing to bring to zero, or not to a reference; test_collision_avoidance.py has the derivatives of
-# distances, test_tasks_frames.py those of the others.
+# Nothing to bring to zero, or not to a reference; test_collision_avoidance.py has the derivatives
+# of distances, test_tasks_frames.py those of the others.
 WITHOUT_ERROR = {
     "collision_avoidance",
     "velocity_damping",

@@ -312,8 +312,8 @@ def test_the_frames_of_a_tick_are_worked_out_once():
 
 NAN3 = [math.inf, 0.0, 0.0]
 WRONG = [
-    ("frame_pose", {"frame": "wing"}, r"frame: .*unknown frame 'wing'; known: base, "),
-    ("frame_pose", {"axes": "wing"}, r"axes: .*unknown frame 'wing'"),
+    ("frame_pose", {"frame": "wing"}, r"frame: .*no frame 'wing'; there is: base, "),
+    ("frame_pose", {"axes": "wing"}, r"axes: .*no frame 'wing'"),
     ("frame_pose", {"mask": [False] * 6}, "mask: it leaves no axis"),
     ("frame_pose", {"mask": [True] * 3}, "mask: expected 6 values, got 3"),
     ("frame_pose", {"gain": [1.0, 2.0]}, "gain: expected a number, 6 numbers, or 6 rows of 6"),
@@ -325,10 +325,10 @@ WRONG = [
     ("frame_position", {"gain": [1.0] * 6}, "gain: expected a number, 3 numbers, or 3 rows of 3"),
     ("frame_orientation", {"max_angular": 0.0}, "max_angular: must be finite and > 0, got 0.0"),
     ("axis_alignment", {"axis": [0.0, 0.0, 0.0]}, r"axis: must not be zero, got \(0.0, 0.0, 0.0\)"),
-    ("axis_alignment", {"direction": NAN3}, "direction: must be finite, got inf"),
-    ("axis_alignment", {"frame": "wing"}, "frame: .*unknown frame 'wing'"),
+    ("axis_alignment", {"direction": NAN3}, r"direction\[0\]: must be finite, got inf"),
+    ("axis_alignment", {"frame": "wing"}, "frame: .*no frame 'wing'"),
     ("look_at", {}, "key 'point' is missing"),
-    ("look_at", {"point": NAN3}, "point: must be finite, got inf"),
+    ("look_at", {"point": NAN3}, r"point\[0\]: must be finite, got inf"),
     ("look_at", {"point": [1.0, 0, 0], "nearest": 0.0}, "nearest: must be finite and > 0"),
     ("centre_of_mass", {}, "key 'target' is missing"),
     ("centre_of_mass", {"target": [0.0] * 3, "mask": [False] * 3}, "mask: it leaves no axis"),
@@ -337,18 +337,22 @@ WRONG = [
     ("joint_coupling", {"joints": {"panda_joint1": math.inf}}, "joints.panda_joint1: must be fin"),
     ("manipulability", {"rows": "all"}, "rows: 'all' is not one of: position, orientation, pose"),
     ("manipulability", {"max_speed": 0.0}, "max_speed: must be finite and > 0, got 0.0"),
-    ("frame_velocity_limit", {"linear": [0.0, 1.0, 1.0]}, "linear: must be finite and > 0, got 0"),
+    (
+        "frame_velocity_limit",
+        {"linear": [0.0, 1.0, 1.0]},
+        r"linear\[0\]: must be finite and > 0, got 0",
+    ),
     ("frame_velocity_limit", {"linear": [math.inf] * 3}, "linear: no limit is given, nor in ang"),
     ("half_space", {}, "key 'normal' is missing"),
     ("half_space", {"normal": [0.0] * 3}, "normal: must not be zero"),
     ("half_space", {"normal": [0, 0, 1.0], "gain": 101.0}, "gain: must be <= 100 1/s, one over"),
     ("half_space", {"normal": [0, 0, 1.0], "margin": -1.0}, "margin: must be finite and >= 0"),
-    ("cone", {"angle": 4.0}, "angle: must be < pi, got 4.0"),
+    ("cone", {"angle": 4.0}, r"angle: must be in \(0, 3.14159\), got 4.0"),
     ("cone", {"angle": 0.5, "deceleration": 0.0}, "deceleration: must be finite and > 0, got 0.0"),
     ("posture", {"joints": ["knee"]}, "joints: 'knee': unknown; known: panda_joint1, "),
     ("posture", {"joints": ["panda_joint1"] * 2}, "joints: 'panda_joint1': stands in it twice"),
     ("posture", {"weights": [1.0]}, "weights: expected 7 values, got 1"),
-    ("posture", {"weights": [0.0] * 7}, "weights: must be finite and > 0, got 0.0"),
+    ("posture", {"weights": [0.0] * 7}, r"weights\[0\]: must be finite and > 0, got 0.0"),
 ]
 
 

@@ -44,6 +44,7 @@ class FrameOrientation(FrameTask):
     """A J chi -> A x_dot^d + sat(K_p A e), with the measured pose of the frame."""
 
     kind = "frame_orientation"
+    parameters = FrameOrientationParameters
 
     @classmethod
     def from_config(

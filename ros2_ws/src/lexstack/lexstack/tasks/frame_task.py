@@ -68,9 +68,15 @@ class FrameChoice:
 
 
 class FrameTask:
-    """Base of the tasks on the pose of a frame; a task of its own sets ``kind``."""
+    """Base of the tasks on the pose of a frame.
+
+    Attributes:
+        kind: of a task of its own, as stack files name it.
+        parameters: the class of its parameters.
+    """
 
     kind = ""
+    parameters: type
 
     def __init__(self, team: Team, robot: int, choice: FrameChoice, where: str) -> None:
         """Make the task of the robot at place ``robot``; raises for a frame that is not there."""

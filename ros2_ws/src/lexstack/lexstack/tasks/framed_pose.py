@@ -53,6 +53,7 @@ class FramePose(FrameTask):
     """A J chi -> A x_dot^d + sat(K_p A e), with the measured pose of the frame."""
 
     kind = "frame_pose"
+    parameters = FramePoseParameters
 
     @classmethod
     def from_config(

@@ -45,6 +45,7 @@ class FramePosition(FrameTask):
     """A J chi -> A x_dot^d + sat(K_p A e), with the measured pose of the frame."""
 
     kind = "frame_position"
+    parameters = FramePositionParameters
 
     @classmethod
     def from_config(
