@@ -14,7 +14,9 @@ from lexstack_config.parts import home_of
 from lexstack_config.plant import PushConfig
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_sim.contacts import touching
+from lexstack_sim.coordinates import Coordinates
 from lexstack_sim.impedance import ImpedanceLoop, per_joint
+from lexstack_sim.notes import notes
 from lexstack_sim.payload_friction import add_burden
 from lexstack_sim.plant_state import Counters, Memory, PlantError, Snapshot, Status
 from lexstack_sim.sensors import Senses
@@ -39,6 +41,7 @@ class Plant:
         world: the MuJoCo model.
         counters: what went wrong so far.
         seed: of everything random in the plant.
+        notes: what is not simulated as the robots' files say, one line each.
     """
 
     def __init__(self, resolved: ResolvedScenario, team: Team, seed: int = 0) -> None:
@@ -62,6 +65,7 @@ class Plant:
         self._home = home_of(team, resolved)
         self._distance = per_joint(team, "q_star_distance", "q_star_distance")
         self._step_limit = team.limits.acceleration * self.period
+        self.notes = notes(team, self._home)
         self.world = build_world(team)
         self._data = mujoco.MjData(self.world)
         add_burden(self.world, self._data, team, scenario.plant)
@@ -71,6 +75,10 @@ class Plant:
         ]
         self._obstacles = team.obstacles
         self._loop = ImpedanceLoop(team, PHYSICS_PERIOD, self._data.ctrl)
+        self._coordinates = Coordinates(self.world, team)
+        direct = self._coordinates.direct
+        self._q: Vector = self._data.qpos if direct else np.zeros(team.n)
+        self._v: Vector = self._data.qvel if direct else np.zeros(team.n)
         self.reset(seed)
 
     def reset(self, seed: int = 0) -> RobotState:
@@ -78,7 +86,8 @@ class Plant:
         self.seed = seed
         n = self.team.n
         mujoco.mj_resetData(self.world, self._data)
-        self._data.qpos[:] = self._home
+        self._coordinates.put(self._data, self._home)
+        self._read()
         self._loop.reset(self._home)
         self._memory = Memory(
             self._home.copy(),
@@ -169,6 +178,7 @@ class Plant:
     def restore(self, snapshot: Snapshot) -> RobotState:
         """Go back to a saved state; what follows is the same to the bit."""
         mujoco.mj_setState(self.world, self._data, snapshot.physics, _ALL)
+        self._read()
         self._memory = copy.deepcopy(snapshot.memory)
         self.counters = copy.copy(snapshot.counters)
         self._wrenches = list(snapshot.wrenches)
@@ -209,7 +219,7 @@ class Plant:
     def _advance(self) -> None:
         """Run the physics of one tick; q* moves along the command (first-order hold)."""
         memory, data = self._memory, self._data
-        q, v, command = data.qpos, data.qvel, memory.command
+        q, v, command = self._q, self._v, memory.command
         increment = PHYSICS_PERIOD * command
         self._begin_pushes()
         for _ in range(self._steps):
@@ -221,6 +231,7 @@ class Plant:
             if self._obstacles.moving:
                 data.mocap_pos[:] = self._obstacles.at(data.time)
             mujoco.mj_step(self.world, data)
+            self._read()
             memory.q_star += increment
             if not self._senses.perfect:
                 self._senses.see(memory.senses, q, v)
@@ -233,9 +244,16 @@ class Plant:
         memory.contacts, memory.contact_force = touching(self.world, data)
         self.counters.contact += memory.contacts > 0
 
+    def _read(self) -> None:
+        """Read the joints of chi, and put those that mimic them where these are."""
+        if self._coordinates.direct:
+            return  # q and v are MuJoCo's own vectors
+        self._coordinates.read(self._data, self._q, self._v)
+        self._coordinates.couple(self._data, self._q, self._v)
+
     def _bound_q_star(self) -> None:
         """Pull q* back where it has run away from q, e.g. against an obstacle."""
-        q, q_star = self._data.qpos, self._memory.q_star
+        q, q_star = self._q, self._memory.q_star
         bounded = np.clip(q_star, q - self._distance, q + self._distance)
         if not np.array_equal(bounded, q_star):
             self.counters.clamped += 1

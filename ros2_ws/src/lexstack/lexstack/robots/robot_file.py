@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from lexstack.errors import ConfigurationError, ModelError
 from lexstack.options import positive, shown
 from lexstack.robots.description import located
+from lexstack.robots.joint_inertia import BANDWIDTH, DAMPING_RATIO, joint_inertias
 from lexstack.robots.options import ArmConfig, BaseConfig, FrameConfig, RobotConfig, SphereConfig
 from lexstack.robots.urdf import Description, read_urdf, slides
 
@@ -28,11 +29,9 @@ RAMP = 0.01  # s, in which a joint reaches its full acceleration: the default of
 _LARGEST = float(np.finfo(np.float64).max)
 
 # Defaults of the joints' torque loop, which the simulation alone needs: of a joint that turns, and
-# of one that slides.
+# of one that slides. Stiffness and damping follow from what the joint moves.
 _LOOP = {
     "torque_rate": (1000.0, 10000.0),  # N m/s, N/s
-    "stiffness": (200.0, 20000.0),  # N m/rad, N/m
-    "damping": (20.0, 2000.0),  # N m s/rad, N s/m
     "armature": (0.1, 1.0),  # kg m2, kg
     "q_star_distance": (0.1, 0.02),  # rad, m
 }
@@ -56,8 +55,8 @@ class ArmFile:
     jerk: PerJoint = field(default_factory=dict)  # default: acceleration / 0.01 s
     torque: PerJoint = field(default_factory=dict)  # default: the URDF's effort
     torque_rate: PerJoint = field(default_factory=dict)
-    stiffness: PerJoint = field(default_factory=dict)
-    damping: PerJoint = field(default_factory=dict)
+    stiffness: PerJoint = field(default_factory=dict)  # default: m (30 rad/s)^2, m: joint_inertias
+    damping: PerJoint = field(default_factory=dict)  # default: 2 sqrt(stiffness m)
     armature: PerJoint = field(default_factory=dict)
     q_star_distance: PerJoint = field(default_factory=dict)
     posture: PerJoint | None = None
@@ -98,6 +97,9 @@ def completed(
     except ModelError as error:
         raise ConfigurationError(f"{where}: arm.description: {error}") from error
     arm = _arm(file.arm, place, urdf, f"{where}: arm")
+    here = folder or Path()
+    packages = tuple(str((here / each).resolve()) for each in file.arm.packages)
+    arm = replace(arm, packages=packages)
     arm.validate(f"{where}: arm")
     tool = file.tool or FrameConfig(_leaf(urdf, arm.joints, f"{where}: tool"))
     return RobotConfig(file.name, file.base, arm, tool, file.spheres, file.tools)
@@ -134,6 +136,11 @@ def _arm(arm: ArmFile, place: str, urdf: Description, where: str) -> ArmConfig:
     }
     home = values("home", lambda name: _zero(*range_of[name]))
     resting = dict(zip(joints, home, strict=True))
+    fixed = _fixed(arm, joints, urdf, where)
+    armature = dict(zip(joints, loop["armature"], strict=True))
+    moved = joint_inertias(urdf, resting, fixed, armature)
+    stiffness = values("stiffness", lambda name: moved[name] * BANDWIDTH**2)
+    spring = dict(zip(joints, stiffness, strict=True))
     posture = None
     if arm.posture is not None:
         posture = _per_joint(arm.posture, joints, resting.__getitem__, f"{where}: posture")
@@ -142,7 +149,7 @@ def _arm(arm: ArmFile, place: str, urdf: Description, where: str) -> ArmConfig:
         root=model.frames[min(1, model.nframes - 1)].name if arm.root is None else arm.root,
         mount=arm.mount,
         joints=joints,
-        fixed=_fixed(arm, joints, urdf, where),
+        fixed=fixed,
         home=home,
         position_lower=lower,
         position_upper=upper,
@@ -151,7 +158,13 @@ def _arm(arm: ArmFile, place: str, urdf: Description, where: str) -> ArmConfig:
         jerk=values("jerk", lambda name: rise[name] / RAMP),
         torque=of_urdf("torque", model.effortLimit),
         posture=posture,
-        **loop,
+        stiffness=stiffness,
+        damping=values(
+            "damping", lambda name: 2.0 * DAMPING_RATIO * math.sqrt(spring[name] * moved[name])
+        ),
+        torque_rate=loop["torque_rate"],
+        armature=loop["armature"],
+        q_star_distance=loop["q_star_distance"],
     )
 
 
