@@ -35,6 +35,33 @@ print(json.dumps([name for name in sys.modules]))
 """
 
 
+ARM = """
+name: own
+description: An arm on a table.
+robots: {arm: {model: kinova, base: [0.5, 0.0, 1.0], z: 0.7}}
+rate: 100.0
+duration: 2.0
+initial_stack: track
+transition: {duration: 0.5}
+htmpc: {always: true}
+"""
+
+
+@pytest.mark.parametrize("node", ["hqp_controller", "stack_solver", "htmpc"])
+def test_nodes_start_for_an_arm_on_a_table(tmp_path, node):
+    path = tmp_path / "own.yaml"
+    path.write_text(ARM, encoding="utf-8")
+    path.write_text(load_scenario(path, CONFIG).to_yaml(), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", MAKE, MODULES[node], "--ros-args", "-p", f"scenario:={path}"],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.parametrize("node", MODULES)
 def test_a_node_is_made_without_modules_that_are_slow_to_load(tmp_path, node):
     path = tmp_path / "scenario.yaml"

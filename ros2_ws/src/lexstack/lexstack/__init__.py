@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     )
     from lexstack.references import References, ReferenceSchedule, Target
     from lexstack.robots import (
+        BaseConfig,
         Kinematics,
         ObstacleConfig,
         Obstacles,
@@ -77,6 +78,7 @@ if TYPE_CHECKING:
         RobotModel,
         Team,
         mobile_manipulator,
+        robot_from_urdf,
     )
     from lexstack.tasks import (
         TASKS,
@@ -113,8 +115,8 @@ else:
             "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH Htmpc HtmpcConfig Objective "
             "Plan SequenceRunner SequenceTask Start CollisionScene",
             "references": "ReferenceSchedule References Target",
-            "robots": "Kinematics ObstacleConfig Obstacles Pose RobotConfig "
-            "RobotModel Team mobile_manipulator",
+            "robots": "BaseConfig Kinematics ObstacleConfig Obstacles Pose RobotConfig "
+            "RobotModel Team mobile_manipulator robot_from_urdf",
             "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack",
             "transition": "METHODS Announcement Phase SourceSample SourceSchedule "
             "Transition TransitionConfig TransitionOptions TransitionState",
@@ -130,6 +132,7 @@ __all__ = [
     "ST_ARCH",
     "TASKS",
     "Announcement",
+    "BaseConfig",
     "Bounds",
     "CollisionScene",
     "Command",
@@ -189,5 +192,6 @@ __all__ = [
     "make_solver",
     "make_stack_solver",
     "mobile_manipulator",
+    "robot_from_urdf",
     "viable_bounds",
 ]

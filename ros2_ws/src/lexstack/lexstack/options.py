@@ -143,7 +143,10 @@ def _convert(hint: Any, value: object, where: str) -> Any:
 
 
 def _convert_union(hint: Any, value: object, where: str) -> Any:
-    """Return an optional value: None, or the one other type."""
+    """Return an optional value: None, or one of the other types.
+
+    An error is that of the type which the value looks like.
+    """
     options = [option for option in typing.get_args(hint) if option is not type(None)]
     if value is None and len(options) < len(typing.get_args(hint)):
         return None
@@ -153,7 +156,13 @@ def _convert_union(hint: Any, value: object, where: str) -> Any:
             return _convert(option, value, where)
         except ConfigurationError as error:
             errors.append(error)
-    raise errors[-1]
+    looks = tuple if isinstance(value, list | tuple) else dict if isinstance(value, dict) else None
+    alike = [
+        error
+        for option, error in zip(options, errors, strict=True)
+        if (typing.get_origin(option) is looks if looks else isinstance(error, NotANumberError))
+    ]
+    raise (alike or errors)[-1]
 
 
 def _convert_tuple(hint: Any, value: object, where: str) -> tuple[Any, ...]:

@@ -10,6 +10,7 @@ from lexstack.errors import ConfigurationError
 from lexstack.options import shown
 from lexstack.robots import RobotConfig
 from lexstack.tasks import StackConfig
+from lexstack_config.folders import Folders
 from lexstack_config.reader import build, read_yaml
 from lexstack_config.scenario import ScenarioConfig
 
@@ -26,14 +27,14 @@ def load_stack(path: Path) -> StackConfig:
 
 
 def available(
-    folder: Path, scenario: ScenarioConfig, robots: Mapping[str, RobotConfig], where: str
+    folders: Folders, scenario: ScenarioConfig, robots: Mapping[str, RobotConfig], where: str
 ) -> tuple[dict[str, StackConfig], dict[str, str]]:
     """Return the stacks that a scenario can ask for, and by name why the other files do not fit.
 
     A file that the scenario does not name must not keep it from running, whatever is in it.
 
     Args:
-        folder: of the configuration, with ``stacks/``.
+        folders: of the configuration, with ``stacks/``.
         scenario: with its robots, and the stacks that it names.
         robots: by model name.
         where: the scenario's file.
@@ -43,14 +44,17 @@ def available(
             scenario has not.
     """
     stacks, unfit = {}, {}
-    for path in sorted((folder / "stacks").glob("*.yaml")):
-        name, wanted = path.stem, path.stem in scenario.stacks_named
+    there = folders.all("stacks", [name for name in scenario.stacks_named if name.strip("/.")])
+    for name, path in there.items():
+        wanted = name in scenario.stacks_named
+        if wanted and not path.exists():
+            continue  # it is missed where it is asked for
         try:
             stack = load_stack(path)
         except ConfigurationError as error:
             if wanted:
                 raise
-            unfit[name] = without_folder(str(error), folder)
+            unfit[name] = without_folder(str(error), path.parent.parent)
             continue
         absent = [robot for robot in stack.named if robot not in scenario.robots]
         if absent and wanted:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,11 +10,14 @@ from lexstack.errors import ConfigurationError, InputError, ModelError
 from lexstack.mpc import Reach, tasks_of
 from lexstack.robots import RobotModel
 from lexstack.tasks import plan_stack
+from lexstack_config.folders import Folders
 from lexstack_config.parts import Parts
 from lexstack_config.resolved import ResolvedScenario
 
 
-def checked(resolved: ResolvedScenario, folder: Path, path: Path | None = None) -> ResolvedScenario:
+def checked(
+    resolved: ResolvedScenario, folder: Path, path: Path | None = None, first: Sequence[Path] = ()
+) -> ResolvedScenario:
     """Return a scenario of which robots, stacks and sequences are known to fit together.
 
     What a node would refuse when it starts is refused here. Stacks that do not fit the robots and
@@ -23,18 +27,20 @@ def checked(resolved: ResolvedScenario, folder: Path, path: Path | None = None) 
         resolved: as ``load_scenario`` returned it.
         folder: of the configuration, for the texts of errors.
         path: the scenario's file, for the texts of errors; None: its name.
+        first: folders of the user's own, for the texts of errors.
 
     Raises:
         ConfigurationError: something does not fit; the text names file and key.
     """
     where = str(path or resolved.scenario.name)
+    folders = Folders((folder,)) if path is None else Folders.around(path, first, folder)
     for model, config in resolved.robots.items():
         try:
             RobotModel(model, config)
         except ModelError as error:
             text = str(error).removeprefix(f"robot {model}: ")
-            raise ConfigurationError(f"{folder / 'robots' / model}.yaml: {text}") from error
-    parts = Parts.of(resolved, str(folder))
+            raise ConfigurationError(f"{folders.find('robots', model)}: {text}") from error
+    parts = Parts.of(resolved, folders)
     _check_sequences(resolved, parts, where)
     stacks = {name: config for name, config in resolved.stacks.items() if name in parts.stacks}
     return replace(resolved, stacks=stacks, unfit=dict(parts.unfit))

@@ -16,6 +16,7 @@ from lexstack.robots import Obstacles, RobotModel, Team
 from lexstack.tasks import Stack, build_stack
 from lexstack.transition import TransitionOptions
 from lexstack.types import Vector
+from lexstack_config.folders import Folders
 from lexstack_config.reader import advised
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.scenario import ScenarioConfig, pose_from_config
@@ -39,13 +40,13 @@ class Parts:
 
     @classmethod
     def of(
-        cls, resolved: ResolvedScenario, folder: str = "config", *, every: bool = False
+        cls, resolved: ResolvedScenario, folders: Folders | None = None, *, every: bool = False
     ) -> Parts:
         """Build team and stacks; leave out a stack that does not fit, unless the scenario names it.
 
         Args:
             resolved: the scenario.
-            folder: of the configuration, for the texts of errors.
+            folders: of the configuration, for the texts of errors.
             every: whether all stacks of the scenario must fit, as in one that has run already.
 
         Raises:
@@ -55,13 +56,14 @@ class Parts:
         team = build_team(resolved)
         stacks, unfit = {}, dict(resolved.unfit)
         for name, config in resolved.stacks.items():
-            file = f"stacks/{name}.yaml"
+            file = f"config/stacks/{name}.yaml"
             try:
-                stacks[name] = build_stack(config, team, f"config/{file}")
+                stacks[name] = build_stack(config, team, file)
             except ConfigurationError as error:
                 if every or name in resolved.scenario.stacks_named:
-                    text = advised(error).removeprefix(f"config/{file}")
-                    raise ConfigurationError(f"{folder}/{file}{text}") from error
+                    path = file if folders is None else folders.find("stacks", name)
+                    text = advised(error).removeprefix(file)
+                    raise ConfigurationError(f"{path}{text}") from error
                 unfit[name] = advised(error)
         return cls(team, stacks, 1.0 / resolved.scenario.rate, unfit)
 

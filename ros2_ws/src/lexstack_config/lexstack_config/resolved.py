@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import yaml
@@ -12,9 +12,10 @@ import lexstack.robots
 from lexstack.errors import ConfigurationError
 from lexstack.mpc import HtmpcConfig
 from lexstack.options import shown
-from lexstack.robots import RobotConfig, RobotFile
+from lexstack.robots import RobotConfig
 from lexstack.tasks import StackConfig
 from lexstack_config.available import available, load_stack
+from lexstack_config.folders import Folders
 from lexstack_config.reader import build, parse_yaml, plain, read_yaml
 from lexstack_config.scenario import ScenarioConfig
 
@@ -62,6 +63,12 @@ class ResolvedScenario:
         for key, targets in asked:
             for name in mounted.intersection(targets):
                 raise ConfigurationError(f"{where}: {key}: robot {name!r} has no base")
+        for name, sequence in scenario.sequences.items():
+            if sequence.robot in mounted:
+                raise ConfigurationError(
+                    f"{where}: sequences.{name}: robot {sequence.robot!r} has no base, "
+                    "and the MPC needs one"
+                )
         for name, place in scenario.robots.items():
             if name not in mounted and place.z:
                 raise ConfigurationError(
@@ -95,8 +102,13 @@ class ResolvedScenario:
         return build(cls, tree, where)
 
 
-def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
-    """Return a scenario file with its robots and the stacks of the configuration folder.
+def load_scenario(
+    path: Path, config: Path | None = None, first: Sequence[Path] = ()
+) -> ResolvedScenario:
+    """Return a scenario file with its robots and the stacks of the configuration folders.
+
+    Files are searched for in the folders ``first``, then in the scenario's own, then in ``config``.
+    The ``scenario.yaml`` of a run's folder, which has all of them in it, is read as it is.
 
     A stack file that is wrong, that names robots which the scenario has not, or whose limits are
     for another kind of robot is left out, and ``unfit`` says why; not if the scenario names it.
@@ -104,29 +116,34 @@ def load_scenario(path: Path, config: Path | None = None) -> ResolvedScenario:
     Args:
         path: the scenario's file.
         config: the folder with ``robots/`` and ``stacks/``; default: the one above the scenario's.
+        first: folders of the user's own.
 
     Raises:
         ConfigurationError: a file is missing or wrong; the text names the file and the key.
     """
-    folder = path.resolve().parent.parent if config is None else config
-    scenario = build(ScenarioConfig, read_yaml(path), str(path))
+    tree = read_yaml(path)
+    if isinstance(tree.get("scenario"), dict):
+        whole = build(ResolvedScenario, tree, str(path))
+        return replace(whole, unfit={})
+    folders = Folders.around(path, first, config)
+    scenario = build(ScenarioConfig, tree, str(path))
     robots = {
-        model: load_robot(folder / "robots" / f"{model}.yaml")
+        model: load_robot(folders.find("robots", model))
         for model in dict.fromkeys(place.model for place in scenario.robots.values())
     }
-    stacks, unfit = available(folder, scenario, robots, str(path))
-    parameters = _parameters(folder / "htmpc", scenario)
+    stacks, unfit = available(folders, scenario, robots, str(path))
+    parameters = _parameters(folders, scenario)
     resolved = ResolvedScenario(scenario, robots, stacks, parameters, unfit)
     resolved.validate(str(path))
     return resolved
 
 
-def _parameters(folder: Path, scenario: ScenarioConfig) -> dict[str, HtmpcConfig]:
+def _parameters(folders: Folders, scenario: ScenarioConfig) -> dict[str, HtmpcConfig]:
     """Return the parameters of the HTMPC that a scenario names, if it runs one."""
     if not scenario.plans:
         return {}
     name = scenario.htmpc.parameters
-    return {name: load_htmpc(folder / f"{name}.yaml")}
+    return {name: load_htmpc(folders.find("htmpc", name))}
 
 
 def load_robot(path: Path) -> RobotConfig:
@@ -135,10 +152,10 @@ def load_robot(path: Path) -> RobotConfig:
     Raises:
         ConfigurationError: the file or the URDF is missing or wrong; the text names file and key.
     """
-    file = build(RobotFile, read_yaml(path), str(path))
+    # By way of the package, which loads pinocchio now: a recorder has no need of it.
+    file = build(lexstack.robots.RobotFile, read_yaml(path), str(path))
     if file.name != path.stem:
         raise ConfigurationError(f"{path}: name: expected {path.stem!r}, got {shown(file.name)}")
-    # By way of the package, which loads pinocchio now: a recorder has no need of it.
     return lexstack.robots.completed(file, str(path), path.resolve().parent)
 
 

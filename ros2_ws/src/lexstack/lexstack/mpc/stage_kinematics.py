@@ -58,7 +58,16 @@ class StageModel:
         function = stage_function(robot, spheres).map(stages)
         chosen = [robot.config.spheres[place] for place in spheres]
         self.radii: Vector = np.array([config.radius for config in chosen])
-        self.lifted = np.array([config.link != "base" for config in chosen], dtype=bool)
+        on_arm: Matrix = robot.spheres.moved_by[:, robot.arm]
+        base = robot.config.base
+        inside = base is not None and base.chassis_mass == 0.0  # the URDF has the chassis
+        self.lifted = np.array(
+            [
+                config.link != "base" and not (inside and not on_arm[place].any())
+                for place, config in zip(spheres, chosen, strict=True)
+            ],
+            dtype=bool,
+        )
         count = len(spheres)
         self._q = np.zeros((stages, self.n))
         shapes = ((3,), (3, 3), (6, self.n), (count, 3), (3 * count, self.n))

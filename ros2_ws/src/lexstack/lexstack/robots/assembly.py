@@ -9,10 +9,10 @@ import pinocchio as pin
 
 from lexstack.errors import ModelError
 from lexstack.options import shown
-from lexstack.robots.joint_map import followed
+from lexstack.robots.mimics import Mimic, followed
 from lexstack.robots.options import ArmConfig, BaseConfig, FrameConfig, RobotConfig
 from lexstack.robots.spatial import from_rpy
-from lexstack.robots.urdf import Description, Mimic, read_urdf
+from lexstack.robots.urdf import Description, read_urdf
 
 BASE_JOINTS = ("base_x", "base_y", "base_yaw")
 """Names of a platform's joints, the first three of a robot that has one."""

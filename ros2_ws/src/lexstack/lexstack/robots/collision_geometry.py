@@ -28,9 +28,11 @@ class Spheres:
         centers: shape (s, 3), m.
         radii: shape (s,), m.
         owners: the place in the team of the robot that each sphere belongs to, shape (s,).
-        moved_by: 1 where a joint of chi moves a sphere, else 0, shape (s, n).
-        twists: per joint of chi the velocity of the body behind it, linear at the world's origin
-            and then angular, as if that body reached there, shape (6, n).
+        moved_by: 1 where a joint moves a sphere, else 0, shape (s, n_all). The joints are those of
+            chi and, of robots with mimicking joints, all that move.
+        twists: per joint the velocity of the body behind it, linear at the world's origin and
+            then angular, as if that body reached there, shape (6, n_all).
+        follows: how all joints' velocities follow chi, shape (n_all, n); None: they are chi.
     """
 
     centers: Matrix
@@ -38,6 +40,7 @@ class Spheres:
     owners: Indices
     moved_by: Matrix
     twists: Matrix
+    follows: Matrix | None = None
 
     def rows(self, spheres: Indices, directions: Matrix) -> Matrix:
         """Return d(u . c)/dq, the rows of chi for the speed of centers c along directions u.
@@ -60,7 +63,7 @@ class Spheres:
         moments -= centers.take(_LAST, axis=1) * directions.take(_NEXT, axis=1)
         rows: Matrix = wrenches @ self.twists
         rows *= self.moved_by.take(spheres, axis=0)
-        return rows
+        return rows if self.follows is None else rows @ self.follows
 
 
 class SphereModel:
@@ -75,7 +78,8 @@ class SphereModel:
         radii: shape (s,), m.
         names: e.g. ``panda_link3[1]``, the second sphere of that link.
         links: the link of each.
-        moved_by: 1 where a joint of the robot moves a sphere, else 0, shape (s, n_robot).
+        moved_by: 1 where a joint of chi moves a sphere, else 0, shape (s, n_robot).
+        moved_by_all: likewise of all joints that move, mimicking ones too, shape (s, n_all).
     """
 
     def __init__(
@@ -107,6 +111,7 @@ class SphereModel:
             columns = [model.joints[k].idx_v for k in model.supports[joint] if k > 0]
             self.moved_by[i, columns] = 1.0
         self._map = joints_of
+        self.moved_by_all = self.moved_by
         if joints_of is not None:
             moves = (joints_of.matrix != 0.0).astype(np.float64)
             self.moved_by = np.minimum(self.moved_by @ moves, 1.0)
@@ -117,7 +122,7 @@ class SphereModel:
         self._q: Vector = np.zeros(self._model.nq)
 
     def at(self, q: Vector) -> tuple[Matrix, Matrix]:
-        """Return the centers, shape (3, s) in the world frame, and ``Spheres.twists`` (6, n_robot).
+        """Return the centers, shape (3, s) in the world frame, and ``Spheres.twists`` (6, n_all).
 
         Both hold until the next call.
         """
@@ -129,8 +134,7 @@ class SphereModel:
         places *= axes.take(_NEXT, axis=0)
         centers = axes @ self._turned
         centers += places @ self._moved
-        twists = jacobian[:, :n]
-        return centers, twists if joints is None else twists @ joints.matrix
+        return centers, jacobian[:, :n]
 
 
 def _sums(joints: list[int], centers: list[Vector]) -> tuple[Matrix, Matrix]:

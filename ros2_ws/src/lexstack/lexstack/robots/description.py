@@ -13,6 +13,7 @@ from lexstack.errors import ModelError
 from lexstack.options import shown
 
 _PACKAGE = "package://"
+_BLANKS = str.maketrans({"\t": " ", "\r": " "})  # to XML the same, and options refuse the others
 _LARGEST = 20_000_000  # bytes; the largest of example-robot-data has 0.2 MB
 
 
@@ -32,14 +33,15 @@ def located(description: str, folder: Path | None = None, packages: Sequence[str
             each is a package or has packages in it.
 
     Returns:
-        a text as it is, a path of example-robot-data as it is, all else as an absolute path.
+        a text with blanks for tabs, a path of example-robot-data as it is, all else as an absolute
+        path.
 
     Raises:
         ModelError: there is no such file or package.
     """
     here = Path() if folder is None else folder
     if is_text(description):
-        return description
+        return description.translate(_BLANKS)
     if description.startswith(_PACKAGE):
         return str(_in_package(description, [here / package for package in packages]))
     beside = here / Path(description).expanduser()  # an absolute path stays as it is

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +53,7 @@ def robot_from_urdf(
     where = f"robot {name}"
     file = RobotFile(
         name,
-        build(ArmFile, {"description": path, **arm}, f"{where}: arm"),
+        replace(build(ArmFile, {"description": "", **arm}, f"{where}: arm"), description=path),
         base,
         None if tool is None else FrameConfig(tool),
         {key: FrameConfig(link) for key, link in (tools or {}).items()},

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.robots.urdf import Mimic
+from lexstack.robots.mimics import Mimic, followed
 from lexstack.types import Matrix, Vector
 
 
@@ -29,17 +29,6 @@ class JointMap:
     def positions(self, q: Vector) -> Vector:
         """Return E q + e, shape (n_all,)."""
         return np.asarray(self.matrix @ q + self.offset)
-
-
-def followed(name: str, mimics: Mapping[str, Mimic]) -> Mimic:
-    """Return the independent joint that a joint follows, through others that follow too."""
-    joint, multiplier, offset = name, 1.0, 0.0
-    while joint in mimics:
-        mimic = mimics[joint]
-        offset += multiplier * mimic.offset
-        multiplier *= mimic.multiplier
-        joint = mimic.joint
-    return Mimic(joint, multiplier, offset)
 
 
 def joint_map(

@@ -195,6 +195,8 @@ class RobotModel:
         )
         # computeFrameJacobian places the joints but not the frame.
         pose = pin.updateFramePlacement(self.pinocchio, self._data, frame)
+        if jacobian.ndim == 1:  # pinocchio's, of a model of one joint
+            jacobian = jacobian.reshape(6, 1)
         if joints is not None:
             jacobian = jacobian @ joints.matrix
         return Pose(pose.translation.copy(), pose.rotation.copy()), jacobian

@@ -11,22 +11,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import numpy as np
-
 from lexstack.errors import ConfigurationError, ModelError
 from lexstack.options import positive, shown
 from lexstack.robots.description import located
 from lexstack.robots.joint_inertia import BANDWIDTH, DAMPING_RATIO, joint_inertias
 from lexstack.robots.options import ArmConfig, BaseConfig, FrameConfig, RobotConfig, SphereConfig
+from lexstack.robots.per_joint import PerJoint, number, per_joint, zero
 from lexstack.robots.urdf import Description, read_urdf, slides
-
-PerJoint = float | tuple[float, ...] | dict[str, float]
-"""A value for each joint: the same for all, in the order of ``joints``, or by name."""
 
 RISE = 0.4  # s, in which a joint reaches its full velocity: the default of its acceleration
 RAMP = 0.01  # s, in which a joint reaches its full acceleration: the default of its jerk
-
-_LARGEST = float(np.finfo(np.float64).max)
 
 # Defaults of the joints' torque loop, which the simulation alone needs: of a joint that turns, and
 # of one that slides. Stiffness and damping follow from what the joint moves.
@@ -113,16 +107,16 @@ def _arm(arm: ArmFile, place: str, urdf: Description, where: str) -> ArmConfig:
     sliding = {name: slides(model, model.getJointId(name)) for name in model.names[1:]}
 
     def values(key: str, default: Callable[[str], float]) -> tuple[float, ...]:
-        return _per_joint(getattr(arm, key), joints, default, f"{where}: {key}")
+        return per_joint(getattr(arm, key), joints, default, f"{where}: {key}")
 
     def of_urdf(key: str, limits: Sequence[float]) -> tuple[float, ...]:
-        found = values(key, lambda name: _number(limits[index[name]]))
+        found = values(key, lambda name: number(limits[index[name]]))
         for name, value in zip(joints, found, strict=True):
             positive(f"{where}: {name}", **{key: value})
         return found
 
-    lower = values("position_lower", lambda name: _number(model.lowerPositionLimit[index[name]]))
-    upper = values("position_upper", lambda name: _number(model.upperPositionLimit[index[name]]))
+    lower = values("position_lower", lambda name: number(model.lowerPositionLimit[index[name]]))
+    upper = values("position_upper", lambda name: number(model.upperPositionLimit[index[name]]))
     for name, least, most in zip(joints, lower, upper, strict=True):
         if name not in urdf.continuous and not (math.isfinite(least) and math.isfinite(most)):
             raise ConfigurationError(f"{where}: {name}: position_lower and _upper must be finite")
@@ -134,7 +128,7 @@ def _arm(arm: ArmFile, place: str, urdf: Description, where: str) -> ArmConfig:
         key: values(key, lambda name, pair=pair: pair[sliding[name]])  # type: ignore[misc]
         for key, pair in _LOOP.items()
     }
-    home = values("home", lambda name: _zero(*range_of[name]))
+    home = values("home", lambda name: zero(*range_of[name]))
     resting = dict(zip(joints, home, strict=True))
     fixed = _fixed(arm, joints, urdf, where)
     armature = dict(zip(joints, loop["armature"], strict=True))
@@ -143,7 +137,7 @@ def _arm(arm: ArmFile, place: str, urdf: Description, where: str) -> ArmConfig:
     spring = dict(zip(joints, stiffness, strict=True))
     posture = None
     if arm.posture is not None:
-        posture = _per_joint(arm.posture, joints, resting.__getitem__, f"{where}: posture")
+        posture = per_joint(arm.posture, joints, resting.__getitem__, f"{where}: posture")
     return ArmConfig(
         description=place,
         root=model.frames[min(1, model.nframes - 1)].name if arm.root is None else arm.root,
@@ -208,32 +202,6 @@ def _fixed(
             lower, upper = model.lowerPositionLimit[i], model.upperPositionLimit[i]
             fixed[name] = float(min(max(0.0, lower), upper)) if lower <= upper else 0.0
     return fixed
-
-
-def _per_joint(
-    value: PerJoint, joints: tuple[str, ...], default: Callable[[str], float], where: str
-) -> tuple[float, ...]:
-    """Return a value for each joint; raises ConfigurationError for a name that is none."""
-    if isinstance(value, float):
-        return (value,) * len(joints)
-    if isinstance(value, tuple):
-        if len(value) != len(joints):
-            raise ConfigurationError(f"{where}: expected {len(joints)} values, got {len(value)}")
-        return value
-    for name in value:
-        if name not in joints:
-            raise ConfigurationError(f"{where}: {shown(name)} is no controlled joint")
-    return tuple(value[name] if name in value else default(name) for name in joints)
-
-
-def _number(value: float) -> float:
-    """Return a model's number; the largest one, pinocchio's for no limit, as infinity."""
-    return math.copysign(math.inf, value) if abs(value) >= _LARGEST else float(value)
-
-
-def _zero(lower: float, upper: float) -> float:
-    """Return 0 if it is within limits, else their middle."""
-    return 0.0 if lower <= 0.0 <= upper else 0.5 * (lower + upper)
 
 
 def _leaf(urdf: Description, joints: tuple[str, ...], where: str) -> str:

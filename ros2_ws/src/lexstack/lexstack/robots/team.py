@@ -123,13 +123,14 @@ class Team:
             robot.spheres.at(q[part])
             for robot, part in zip(self.robots, self.q_slices, strict=True)
         ]
-        radii, owners, moved_by = self._fixed
+        radii, owners, moved_by, follows = self._fixed
         return Spheres(
             np.concatenate([centers for centers, _ in results], axis=1).T.copy(),
             radii,
             owners,
             moved_by,
             np.concatenate([twists for _, twists in results], axis=1),
+            follows,
         )
 
     @cached_property
@@ -138,14 +139,19 @@ class Team:
         return tuple(f"{robot.name}/{joint}" for robot in self.robots for joint in robot.joints)
 
     @cached_property
-    def _fixed(self) -> tuple[Vector, Indices, Matrix]:
-        """Return what does not move: ``Spheres.radii``, ``owners`` and ``moved_by``."""
+    def _fixed(self) -> tuple[Vector, Indices, Matrix, Matrix | None]:
+        """Return what does not move: ``radii``, ``owners``, ``moved_by``, ``follows``."""
         counts = [len(robot.spheres.radii) for robot in self.robots]
         owners = np.repeat(np.arange(len(self.robots)), counts)
-        moved_by = np.zeros((len(owners), self.n))
-        for i, (robot, part) in enumerate(zip(self.robots, self.slices, strict=True)):
-            moved_by[owners == i, part] = robot.spheres.moved_by
+        ends = np.cumsum([robot.spheres.moved_by_all.shape[1] for robot in self.robots])
+        moved_by = np.zeros((len(owners), int(ends[-1])))
+        follows = np.zeros((int(ends[-1]), self.n))
+        for i, (robot, part, end) in enumerate(zip(self.robots, self.slices, ends, strict=True)):
+            every = slice(end - robot.spheres.moved_by_all.shape[1], end)
+            moved_by[owners == i, every] = robot.spheres.moved_by_all
+            follows[every, part] = np.eye(robot.n) if robot.map is None else robot.map.matrix
         radii = np.concatenate([robot.spheres.radii for robot in self.robots])
-        for array in (radii, owners, moved_by):
+        for array in (radii, owners, moved_by, follows):
             array.setflags(write=False)
-        return radii, owners, moved_by
+        mapped = any(robot.map is not None for robot in self.robots)
+        return radii, owners, moved_by, follows if mapped else None

@@ -14,6 +14,7 @@ import pinocchio as pin
 from lexstack.errors import ModelError
 from lexstack.options import shown
 from lexstack.robots.description import is_text, urdf_text
+from lexstack.robots.mimics import Mimic, numbers, read_mimics
 from lexstack.types import Vector
 
 _TYPES = ("revolute", "continuous", "prismatic", "planar", "fixed")
@@ -26,15 +27,6 @@ _PER_VELOCITY = (
     *("lowerVelocityLimit", "upperVelocityLimit", "lowerEffortLimit", "upperEffortLimit"),
     *("lowerDryFrictionLimit", "upperDryFrictionLimit", "damping"),
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Mimic:
-    """A joint whose position is ``multiplier * q + offset``, q that of another joint."""
-
-    joint: str
-    multiplier: float
-    offset: float  # rad, or m
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +56,7 @@ def read_urdf(description: str) -> Description:
     """
     where = "the URDF" if is_text(description) else Path(description).name
     text = urdf_text(description)
-    mimics = _mimics(_tree(text, where), where)
+    mimics = read_mimics(_tree(text, where), where)
     try:
         full = pin.buildModelFromXML(text)
     except Exception as error:  # pinocchio raises what urdfdom and Boost do
@@ -157,8 +149,9 @@ def _copy_limits(
 
 def _turning(full: pin.Model, joint: int) -> pin.JointModel:
     """Return a revolute joint about the axis of a continuous one."""
-    jacobian = pin.computeJointJacobian(full, full.createData(), pin.neutral(full), joint)
-    axis: Vector = jacobian[3:, full.joints[joint].idx_v]
+    alone = pin.Model()  # the axis cannot be read; of the whole model the data would cost 0.2 s
+    alone.addJoint(0, full.joints[joint], pin.SE3.Identity(), full.names[joint])
+    axis: Vector = pin.computeJointJacobians(alone, alone.createData(), pin.neutral(alone))[3:]
     aligned = (pin.JointModelRX, pin.JointModelRY, pin.JointModelRZ)
     for i, make in enumerate(aligned):
         if (axis == np.eye(3)[i]).all():
@@ -181,41 +174,11 @@ def _tree(text: str, where: str) -> ET.Element:
         if kind not in _TYPES:
             known = ", ".join(_TYPES)
             raise ModelError(f"{where}: joint {name!r}: of type {kind}; known: {known} and mimic")
+        limit = joint.find("limit")
+        for key, value in ({} if limit is None else limit.attrib).items():
+            if not all(map(math.isfinite, numbers(value) or (math.nan,))):
+                raise ModelError(f"{where}: joint {name!r}: limit: {key}: got {shown(value)}")
         axis = joint.find("axis")
-        if kind == "planar" and axis is not None and _numbers(axis.get("xyz"))[:2] != (0.0, 0.0):
+        if kind == "planar" and axis is not None and numbers(axis.get("xyz"))[:2] != (0.0, 0.0):
             raise ModelError(f"{where}: joint {name!r}: planar, but not in the plane of x and y")
     return tree
-
-
-def _numbers(text: str | None) -> tuple[float, ...]:
-    """Return the numbers in an attribute; none where they are none."""
-    try:
-        return tuple(float(word) for word in (text or "").split())
-    except ValueError:
-        return ()
-
-
-def _mimics(tree: ET.Element, where: str) -> dict[str, Mimic]:
-    """Return who mimics whom; raises ModelError for one that follows nobody, or itself."""
-    kinds = {joint.get("name", ""): joint.get("type") for joint in tree.findall("joint")}
-    found = {}
-    for joint in tree.findall("joint"):
-        mimic, name = joint.find("mimic"), joint.get("name", "")
-        if mimic is None or kinds[name] == "fixed":
-            continue
-        primary = mimic.get("joint", "")
-        factors = _numbers(mimic.get("multiplier", "1")), _numbers(mimic.get("offset", "0"))
-        if kinds.get(primary, "fixed") == "fixed" or "planar" in (kinds[name], kinds[primary]):
-            raise ModelError(
-                f"{where}: joint {name!r} mimics {primary!r}: not a joint of one coordinate"
-            )
-        if any(len(each) != 1 or not math.isfinite(each[0]) for each in factors):
-            raise ModelError(f"{where}: joint {name!r}: mimic: multiplier and offset are numbers")
-        found[name] = Mimic(primary, factors[0][0], factors[1][0])
-    for name in found:
-        then, count = name, 0
-        while then in found:
-            then, count = found[then].joint, count + 1
-            if count > len(found):
-                raise ModelError(f"{where}: joint {name!r} mimics itself, by way of others")
-    return found

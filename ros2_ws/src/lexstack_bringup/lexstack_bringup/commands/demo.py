@@ -91,6 +91,15 @@ def add_run_arguments(parser: argparse.ArgumentParser, root: Path) -> None:
         default=_DEFAULT,
         help=f"one of: {known}; or a file (default: %(default)s)",
     )
+    parser.add_argument(
+        "--config",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FOLDER",
+        help="a folder of your own robots, stacks and htmpc parameters, searched before the "
+        "scenario's folder and lexstack's config (may be given again)",
+    )
     parser.add_argument("--out", type=Path, help="run folder (default: runs/SCENARIO-TIME)")
     parser.add_argument(
         "--mode",
@@ -113,14 +122,17 @@ def resolve_scenario(root: Path, options: argparse.Namespace) -> ResolvedScenari
     Raises:
         ConfigurationError: something is wrong; the text names file and key.
     """
-    path = root / "config" / "scenarios" / f"{options.scenario}.yaml"
-    if not is_file(path):
-        path = Path(options.scenario)
-        if not is_file(path):
-            known = ", ".join(_scenarios(root))
-            raise ConfigurationError(f"unknown scenario {shown(options.scenario)}; known: {known}")
     config = root / "config"
-    resolved = checked(load_scenario(path, config), config, path)
+    for folder in options.config:
+        if not folder.is_dir():
+            raise ConfigurationError(f"--config: there is no folder {shown(str(folder))}")
+    named = [each / "scenarios" / f"{options.scenario}.yaml" for each in (*options.config, config)]
+    path = next((each for each in (*named, Path(options.scenario)) if is_file(each)), None)
+    if path is None:
+        known = ", ".join(_scenarios(root))
+        raise ConfigurationError(f"unknown scenario {shown(options.scenario)}; known: {known}")
+    first = options.config
+    resolved = checked(load_scenario(path, config, first), config, path, first)
     scenario = resolved.scenario
     if options.seed is not None and not 0 <= options.seed < 2**31:
         raise ConfigurationError(f"--seed: must be in [0, 2^31), got {options.seed}")
