@@ -151,7 +151,7 @@ def _read(
 def _shape(robot: RobotModel, urdf: pin.Model, item: pin.GeometryObject) -> Shape:
     """Return one shape, moved from the URDF's joint to the joint of ``robot`` that carries it."""
     source = urdf.frames[item.parentFrame]
-    target = robot.pinocchio.frames[robot.frame(_link(robot, source.name))]
+    target = robot.pinocchio.frames[robot.frame(link_in_model(robot, source.name))]
     placement = target.placement * source.placement.actInv(item.placement)
     color = tuple(float(value) for value in item.meshColor) if item.overrideMaterial else None
     return Shape(
@@ -160,7 +160,7 @@ def _shape(robot: RobotModel, urdf: pin.Model, item: pin.GeometryObject) -> Shap
     )
 
 
-def _link(robot: RobotModel, name: str) -> str:
+def link_in_model(robot: RobotModel, name: str) -> str:
     """Return a link's name in the model, where a platform's frame may have taken its own."""
     given_up = f"arm_{name}"
     taken = robot.pinocchio.existFrame(given_up, pin.FrameType.BODY)

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 import pinocchio as pin
 
 from lexstack.robots import BASE_JOINTS, BaseConfig, RobotModel, build_base, urdf_text
+from lexstack_sim.meshes import link_in_model
 
 _PLANAR = (("x", "prismatic", "1 0 0"), ("y", "prismatic", "0 1 0"), ("yaw", "continuous", "0 0 1"))
 
@@ -28,9 +29,10 @@ def robot_urdf(robot: RobotModel) -> str:
     if arm.description:
         source = ET.fromstring(urdf_text(arm.description))  # noqa: S314 - the robot came from it
         renamed = _rename_links(source, own)
+        first = _first(source, renamed)
         ground = "world" if base is None else "base"
-        mount = _joint(root, "arm_mount", "fixed", ground, renamed[_first(source, renamed)])
-        _origin(mount, *_mounting(robot, source))
+        mount = _joint(root, "arm_mount", "fixed", ground, renamed[first])
+        _origin(mount, *_mounting(robot, first))
         root.extend(
             each
             for element in source
@@ -81,15 +83,12 @@ def _first(source: ET.Element, renamed: dict[str, str]) -> str:
     return next(name for name, now in renamed.items() if now not in hanging)
 
 
-def _mounting(robot: RobotModel, source: ET.Element) -> tuple[Iterable[float], Iterable[float]]:
+def _mounting(robot: RobotModel, first: str) -> tuple[Iterable[float], Iterable[float]]:
     """Return xyz and rpy of the URDF's first link on what it is mounted on."""
-    mount, model = robot.config.arm.mount, robot.pinocchio
-    links = {link.get("name", "") for link in source.findall("link")}
-    hanging = {child.get("link") for child in source.iter("child")}
-    (first,) = links - hanging
-    if robot.has_base and first in (robot.config.arm.root, f"arm_{robot.config.arm.root}"):
-        return mount.xyz, mount.rpy
-    place = model.frames[robot.frame(first)].placement
+    arm = robot.config.arm
+    if robot.has_base and first == arm.root:
+        return arm.mount.xyz, arm.mount.rpy
+    place = robot.pinocchio.frames[robot.frame(link_in_model(robot, first))].placement
     return place.translation, pin.rpy.matrixToRpy(place.rotation)
 
 

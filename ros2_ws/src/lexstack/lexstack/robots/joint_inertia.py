@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import pinocchio as pin
 
-from lexstack.robots.joint_map import followed
+from lexstack.robots.mimics import followed
 from lexstack.robots.urdf import Description
 from lexstack.types import Vector
 
