@@ -208,5 +208,11 @@ def test_an_arm_without_a_base_is_drawn(team):
     assert picture.std() > 10.0
 
 
+def test_the_guide_shows_the_example_s_files():
+    guide = (ROOT / "docs" / "robots.md").read_text(encoding="utf-8")
+    for name in ("lift_arm.yaml", "reach.yaml"):
+        assert (FOLDER / name).read_text(encoding="utf-8") in guide
+
+
 def test_bodies_bear_the_names_of_links(robot):
     assert body_name(robot, robot.pinocchio.getJointId("turn")) == "arm/turntable"
