@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lexstack
-from lexstack.mpc.stage_kinematics import StageModel
+from lexstack.mpc import StageModel
 from lexstack_config.resolved import load_robot
 from support.scenario import CONFIG
 
