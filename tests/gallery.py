@@ -1,4 +1,4 @@
-"""Makes the documents' pictures of report, 3-D view and live page anew, with headless Chromium."""
+"""Makes the documents' pictures anew: report, 3-D view and live page by Chromium, and robots."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from pathlib import Path
 
 from PIL import Image
 
+from lexstack.robots import RobotModel, Team
+from lexstack_config.resolved import load_robot
+from lexstack_sim.render import Renderer
 from support.browser import Browser, find_browser
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -19,9 +22,9 @@ IMAGES = ROOT / "docs/images"
 COLORS = 192  # of a picture: small files, and no difference to see
 
 
-def save(path: Path, image) -> None:
+def save(path: Path, image, colors: int = COLORS) -> None:
     """Write a small PNG."""
-    picture = Image.fromarray(image).quantize(COLORS, dither=Image.Dither.NONE)
+    picture = Image.fromarray(image).quantize(colors, dither=Image.Dither.NONE)
     picture.save(path, optimize=True)
     print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1000:.0f} kB")
 
@@ -66,6 +69,18 @@ def live() -> None:
             run.wait(60)
 
 
+def robots() -> None:
+    """Draw each robot that stands in config/robots alone, without a platform of ours, at home."""
+    for path in sorted((ROOT / "config/robots").glob("*.yaml")):
+        config = load_robot(path)
+        if config.base is not None and config.base.chassis_mass:
+            continue
+        team = Team((RobotModel(path.stem, config),), 0.01)
+        with Renderer(team, (360, 360)) as renderer:
+            renderer.frame([team.home()], azimuth=145.0, elevation=-15.0)
+            save(IMAGES / "robots" / f"{path.stem}.png", renderer.picture(team.home()), 128)
+
+
 def main() -> int:
     """Run the command; return its exit code."""
     parser = argparse.ArgumentParser(prog="./scripts/gallery", description=__doc__)
@@ -74,7 +89,11 @@ def main() -> int:
     )
     parser.add_argument("--delivery", type=Path, help="run folder of the demo delivery; no others")
     parser.add_argument("--at", type=float, default=18.3, help="time of the 3-D view [s]")
+    parser.add_argument("--robots", action="store_true", help="draw config/robots; no others")
     options = parser.parse_args()
+    if options.robots:
+        robots()
+        return 0
     folder = options.delivery or options.run
     if folder is None:
         parser.error("a run folder, or --delivery with one, is needed")

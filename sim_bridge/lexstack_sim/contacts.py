@@ -9,11 +9,15 @@ import numpy as np
 import pinocchio as pin
 
 from lexstack.errors import ModelError
-from lexstack.robots import RobotModel
+from lexstack.robots import RobotModel, Team
+from lexstack_sim.coordinates import Coordinates
 from lexstack_sim.meshes import arm_shapes
 
 APART = 4
-"""Links so many joints apart along the chain can touch each other; nearer ones cannot."""
+"""Links so many joints apart along the tree can touch each other; nearer ones cannot."""
+
+TOUCHING = 0.001
+"""Parts of one robot that are nearer than this at its home [m] never touch in the simulation."""
 
 GROUP = 3
 """MuJoCo's group of contact geometry: hidden from the camera."""
@@ -27,7 +31,7 @@ _DIGITS = 15  # binary digits of a robot's number, two bits of contact for each:
 def add_contacts(
     spec: mujoco.MjSpec, robot: RobotModel, bodies: dict[int, mujoco.MjsBody], index: int
 ) -> dict[int, list[str]]:
-    """Add a robot's contact geometry: a box for its chassis, convex hulls for its arm.
+    """Add a robot's contact geometry: its chassis as a box, its URDF's shapes, hulls of meshes.
 
     Robot ``index`` collides with every other robot and with obstacles: never with itself nor with
     the floor, since planar joints carry the load.
@@ -40,21 +44,23 @@ def add_contacts(
     """
     contype, conaffinity = robot_masks(index)
     mask = {"contype": contype, "conaffinity": conaffinity | OBSTACLE, "group": GROUP}
+    geoms: dict[int, list[str]] = {}
     base = robot.config.base
-    joint = robot.pinocchio.frames[robot.pinocchio.getFrameId("base")].parentJoint
-    chassis = bodies[joint].add_geom(
-        name=f"{robot.name}/contact/chassis",
-        type=mujoco.mjtGeom.mjGEOM_BOX,
-        size=[0.5 * side for side in base.chassis_size],
-        pos=(0.0, 0.0, base.chassis_height),
-        **mask,
-    )
-    geoms: dict[int, list[str]] = {joint: [chassis.name]}
+    if base is not None and base.chassis_mass:
+        joint = robot.pinocchio.frames[robot.pinocchio.getFrameId("base")].parentJoint
+        chassis = bodies[joint].add_geom(
+            name=f"{robot.name}/contact/chassis",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[0.5 * side for side in base.chassis_size],
+            pos=(0.0, 0.0, base.chassis_height),
+            **mask,
+        )
+        geoms[joint] = [chassis.name]
     for shape in arm_shapes(robot, pin.GeometryType.COLLISION):
         name = f"{robot.name}/contact/{shape.name}"
         body = bodies[shape.joint]
-        if shape.is_box:
-            shape.add_box(body, name=name, **mask)
+        if shape.is_primitive:
+            shape.add_primitive(body, name=name, **mask)
         else:
             asset = f"contact/{robot.config.name}/{shape.name}"
             shape.add_mesh(spec, body, asset, shape.mesh(), name=name, **mask)
@@ -81,12 +87,44 @@ def robot_masks(index: int) -> tuple[int, int]:
     return contype, conaffinity
 
 
-def add_self_contacts(spec: mujoco.MjSpec, geoms: dict[int, list[str]]) -> None:
+def add_self_contacts(spec: mujoco.MjSpec, robot: RobotModel, geoms: dict[int, list[str]]) -> None:
     """Add the pairs within one robot that can touch: links at least APART joints apart."""
     for (i, first), (j, second) in itertools.combinations(geoms.items(), 2):
-        if abs(i - j) >= APART:
+        if joints_between(robot.pinocchio, i, j) >= APART:
             for one, other in itertools.product(first, second):
                 spec.add_pair(name=f"{one}:{other}", geomname1=one, geomname2=other)
+
+
+def joints_between(model: pin.Model, one: int, other: int) -> int:
+    """Return how many joints lie between the bodies of two joints, along the tree."""
+    ways = [set(model.supports[joint]) for joint in (one, other)]
+    return len(ways[0] ^ ways[1])
+
+
+def compiled(spec: mujoco.MjSpec, team: Team) -> mujoco.MjModel:
+    """Return the model of a world, without pairs of one robot that touch at its home.
+
+    Contact geometry is convex: the hull of a torso holds the shoulders that are in its recesses.
+    """
+    model = spec.compile()
+    if not model.npair:
+        return model
+    data = mujoco.MjData(model)
+    Coordinates(model, team).put(data, team.home())
+    mujoco.mj_kinematics(model, data)
+    closed = [
+        model.pair(i).name
+        for i in range(model.npair)
+        if mujoco.mj_geomDistance(
+            model, data, model.pair_geom1[i], model.pair_geom2[i], TOUCHING, None
+        )
+        < TOUCHING
+    ]
+    if not closed:
+        return model
+    for name in closed:
+        spec.delete(spec.pair(name))
+    return spec.compile()
 
 
 def touching(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[int, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from lexstack.robots import ARM, BASE_JOINTS, Team
+from lexstack.robots import BASE_JOINTS, RobotModel, Team
 from lexstack.types import Vector
 
 
@@ -73,21 +73,28 @@ class _Gravity:
         """Make the workspaces."""
         self._robots = [
             (
-                robot.pinocchio,
+                robot,
                 robot.pinocchio.createData(),
-                part,
-                slice(part.start + ARM.start, part.stop),
+                at,
+                slice(part.start + robot.arm.start, part.stop),
             )
-            for robot, part in zip(team.robots, team.slices, strict=True)
+            for robot, at, part in zip(team.robots, team.q_slices, team.slices, strict=True)
         ]
         self._torque: Vector = np.zeros(team.n)
 
     def __call__(self, q: Vector) -> Vector:
         """Return g(q), shape (n,), N m and 0 on planar bases; the array is used again."""
         torque = self._torque
-        for model, data, part, arm in self._robots:
-            torque[arm] = pin.computeGeneralizedGravity(model, data, q[part])[ARM]
+        for robot, data, at, arm in self._robots:
+            torque[arm] = gravity(robot, data, q[at])[robot.arm]
         return torque
+
+
+def gravity(robot: RobotModel, data: pin.Data, q: Vector) -> Vector:
+    """Return g(q) of the controlled joints, shape (n,), with what mimicking joints carry."""
+    full = pin.computeGeneralizedGravity(robot.pinocchio, data, robot.positions(q))
+    reduced: Vector = full if robot.map is None else robot.map.matrix.T @ full
+    return reduced
 
 
 def per_joint(team: Team, base: str | float, arm: str) -> Vector:
@@ -95,6 +102,8 @@ def per_joint(team: Team, base: str | float, arm: str) -> Vector:
     parts = []
     for robot in team.robots:
         config = robot.config
-        first = getattr(config.base, base) if isinstance(base, str) else [base] * len(BASE_JOINTS)
-        parts += [first, getattr(config.arm, arm)]
+        if config.base is not None:
+            named = isinstance(base, str)
+            parts.append(getattr(config.base, base) if named else [base] * len(BASE_JOINTS))
+        parts.append(getattr(config.arm, arm))
     return np.concatenate(parts)

@@ -7,9 +7,10 @@ import itertools
 import mujoco
 import numpy as np
 
-from lexstack.robots import Obstacles
+from lexstack.robots import Obstacles, Team
 from lexstack.types import Matrix, Vector
 from lexstack_sim.contacts import OBSTACLE
+from lexstack_sim.coordinates import Coordinates
 
 _GROUP = 1  # of geoms that are visible
 _COLOR = (0.85, 0.15, 0.12, 1.0)
@@ -40,17 +41,16 @@ def obstacle_name(obstacle: str) -> str:
 class Clearance:
     """Distances between what can touch: the robots' contact geometry, not their spheres."""
 
-    def __init__(
-        self, world: mujoco.MjModel, robots: tuple[str, ...], obstacles: Obstacles
-    ) -> None:
-        """Measure in a world that was built with these robots and obstacles."""
+    def __init__(self, world: mujoco.MjModel, team: Team) -> None:
+        """Measure in a world that was built with this team and its obstacles."""
         self._world = world
         self._data = mujoco.MjData(world)
-        self._obstacles = obstacles
+        self._coordinates = Coordinates(world, team)
+        self._obstacles = obstacles = team.obstacles
         names = [world.geom(i).name for i in range(world.ngeom)]
         self._geoms = [
             [i for i, name in enumerate(names) if name.startswith(f"{robot}/contact/")]
-            for robot in robots
+            for robot in team.names
         ]
         self._spheres = [[names.index(obstacle_name(name))] for name in obstacles.names]
 
@@ -78,7 +78,7 @@ class Clearance:
         self, q: Vector, ones: list[list[int]], others: list[list[int]], most: float
     ) -> Matrix:
         """Return the least distance between the geoms of two sets, for all sets."""
-        self._data.qpos[:] = q
+        self._coordinates.put(self._data, q)
         mujoco.mj_kinematics(self._world, self._data)
         result: Matrix = np.full((len(ones), len(others)), most)
         for i, j in np.ndindex(*result.shape):

@@ -6,9 +6,10 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from lexstack.robots import ARM, RobotModel, Team
+from lexstack.robots import RobotModel, Team
 from lexstack_config.plant import PlantConfig
-from lexstack_sim.world import body_name, joint_name, wxyz
+from lexstack_sim.coordinates import joint_name
+from lexstack_sim.world import body_name, set_inertia
 
 # MuJoCo's friction creeps under a steady load; this near to 1 it hardly does.
 _STICTION = 0.9999
@@ -20,7 +21,7 @@ def add_payload_friction(
     """Add payload and friction to a compiled world; the pinocchio models stay as they are."""
     if config.friction:
         for robot in team.robots:
-            for joint in robot.joints[ARM]:
+            for joint in robot.joints[robot.arm]:
                 dof = world.joint(joint_name(robot, joint)).dofadr[0]
                 world.dof_frictionloss[dof] = config.friction
                 world.dof_solimp[dof, :2] = _STICTION
@@ -37,11 +38,4 @@ def _add_payload(world: mujoco.MjModel, robot: RobotModel, mass: float) -> None:
     frame = model.frames[model.getFrameId("tool")]
     load = pin.Inertia(mass, frame.placement.translation, np.zeros((3, 3)))
     total = model.inertias[frame.parentJoint] + load
-    body = world.body(body_name(robot, frame.parentJoint)).id
-    moments, axes = np.linalg.eigh(total.inertia)
-    if np.linalg.det(axes) < 0.0:
-        axes[:, 0] *= -1.0
-    world.body_mass[body] = total.mass
-    world.body_ipos[body] = total.lever
-    world.body_iquat[body] = wxyz(axes)
-    world.body_inertia[body] = moments
+    set_inertia(world, world.body(body_name(robot, frame.parentJoint)).id, total)

@@ -14,7 +14,9 @@ from lexstack_config.parts import home_of
 from lexstack_config.plant import PushConfig
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_sim.contacts import touching
+from lexstack_sim.coordinates import Coordinates
 from lexstack_sim.impedance import ImpedanceLoop, per_joint
+from lexstack_sim.notes import notes
 from lexstack_sim.payload_friction import add_payload_friction
 from lexstack_sim.plant_state import Counters, PlantError, PlantState, Snapshot, Status
 from lexstack_sim.sensors import Sensors
@@ -39,6 +41,7 @@ class Plant:
         world: the MuJoCo model.
         counters: what went wrong so far.
         seed: of everything random in the plant.
+        notes: what is not simulated as the robots' files say, one line each.
     """
 
     def __init__(self, resolved: ResolvedScenario, team: Team, seed: int = 0) -> None:
@@ -62,6 +65,7 @@ class Plant:
         self._home = home_of(team, resolved)
         self._distance = per_joint(team, "q_star_distance", "q_star_distance")
         self._step_limit = team.limits.acceleration * self.period
+        self.notes = notes(team, self._home)
         self.world = build_world(team)
         self._data = mujoco.MjData(self.world)
         add_payload_friction(self.world, self._data, team, scenario.plant)
@@ -71,6 +75,10 @@ class Plant:
         ]
         self._obstacles = team.obstacles
         self._loop = ImpedanceLoop(team, PHYSICS_PERIOD, self._data.ctrl)
+        self._coordinates = Coordinates(self.world, team)
+        direct = self._coordinates.direct
+        self._q: Vector = self._data.qpos if direct else np.zeros(team.n)
+        self._v: Vector = self._data.qvel if direct else np.zeros(team.n)
         self.reset(seed)
 
     def reset(self, seed: int = 0) -> RobotState:
@@ -78,7 +86,8 @@ class Plant:
         self.seed = seed
         n = self.team.n
         mujoco.mj_resetData(self.world, self._data)
-        self._data.qpos[:] = self._home
+        self._coordinates.put(self._data, self._home)
+        self._read()
         self._loop.reset(self._home)
         self._plant_state = PlantState(
             self._home.copy(),
@@ -169,6 +178,7 @@ class Plant:
     def restore(self, snapshot: Snapshot) -> RobotState:
         """Go back to a saved state; what follows is the same to the bit."""
         mujoco.mj_setState(self.world, self._data, snapshot.physics, _ALL)
+        self._read()
         self._plant_state = copy.deepcopy(snapshot.plant_state)
         self.counters = copy.copy(snapshot.counters)
         self._wrenches = list(snapshot.wrenches)
@@ -209,7 +219,7 @@ class Plant:
     def _advance(self) -> None:
         """Run the physics of one tick; q* moves along the command (first-order hold)."""
         plant_state, data = self._plant_state, self._data
-        q, v, command = data.qpos, data.qvel, plant_state.command
+        q, v, command = self._q, self._v, plant_state.command
         increment = PHYSICS_PERIOD * command
         self._begin_pushes()
         for _ in range(self._steps):
@@ -221,6 +231,7 @@ class Plant:
             if self._obstacles.moving:
                 data.mocap_pos[:] = self._obstacles.at(data.time)
             mujoco.mj_step(self.world, data)
+            self._read()
             plant_state.q_star += increment
             if not self._sensors.perfect:
                 self._sensors.see(plant_state.sensors, q, v)
@@ -233,9 +244,16 @@ class Plant:
         plant_state.contacts, plant_state.contact_force = touching(self.world, data)
         self.counters.contact += plant_state.contacts > 0
 
+    def _read(self) -> None:
+        """Read the joints of chi, and put those that mimic them where these are."""
+        if self._coordinates.direct:
+            return  # q and v are MuJoCo's own vectors
+        self._coordinates.read(self._data, self._q, self._v)
+        self._coordinates.couple(self._data, self._q, self._v)
+
     def _bound_q_star(self) -> None:
         """Pull q* back where it has run away from q, e.g. against an obstacle."""
-        q, q_star = self._data.qpos, self._plant_state.q_star
+        q, q_star = self._q, self._plant_state.q_star
         bounded = np.clip(q_star, q - self._distance, q + self._distance)
         if not np.array_equal(bounded, q_star):
             self.counters.clamped += 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import importlib
+import itertools
 import os
 import sys
 from collections.abc import Mapping, Sequence
@@ -11,19 +12,22 @@ from typing import Any, Self
 
 import mujoco
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from lexstack.errors import LexstackError
-from lexstack.robots import Pose, Team
+from lexstack.robots import Pose, RobotModel, Team
 from lexstack.types import Vector
 from lexstack_config.parts import build_team
 from lexstack_config.resolved import ResolvedScenario
+from lexstack_sim.coordinates import Coordinates
 from lexstack_sim.world import build_world
 
 _SPHERE, _CAPSULE = mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE
 _BALL = np.array([0.95, 0.8, 0.1, 0.9], np.float32)
 _AXIS = 0.16  # m, length of a drawn axis
 _ARM_HEIGHT = 0.75  # m, of the elbow above the mount, at most about this
+_LINK = 0.06  # m, half the thickness of a link
 _MARGIN = 1.1
 
 Image = NDArray[np.uint8]
@@ -83,6 +87,7 @@ class Renderer:
         self._team = team
         self._world = build_world(team, visuals=True)
         self._data = mujoco.MjData(self._world)
+        self._coordinates = Coordinates(self._world, team)
         self._camera = mujoco.MjvCamera()
         self._option = mujoco.MjvOption()
         self._option.geomgroup[:] = [0, 1, 0, 0, 0, 0]
@@ -142,7 +147,7 @@ class Renderer:
 
         Obstacles are where they are at the simulated time ``stamp`` [s].
         """
-        self._data.qpos[:] = q
+        self._coordinates.put(self._data, q)
         self._data.mocap_pos[:] = self._team.obstacles.at(stamp)
         mujoco.mj_kinematics(self._world, self._data)
         mujoco.mj_camlight(self._world, self._data)
@@ -164,12 +169,16 @@ class Renderer:
 
     def _corners(self, q: Vector) -> Vector:
         """Return points between which the robots are at q, shape (m, 3), m."""
-        points = []
-        for robot, part, tool in zip(
-            self._team.robots, self._team.slices, self._team.tools(q), strict=True
+        points: list[Sequence[float] | Vector] = []
+        for robot, at, tool in zip(
+            self._team.robots, self._team.q_slices, self._team.tools(q), strict=True
         ):
-            x, y, yaw = q[part][:3]
-            length, width, _ = robot.config.base.chassis_size
+            base = robot.config.base
+            if base is None or not base.chassis_mass:
+                points += [*_joints_of(robot, q[at]), tool.position]
+                continue
+            x, y, yaw = robot.base_pose(q[at])
+            length, width, _ = base.chassis_size
             top = robot.config.arm.mount.xyz[2] + _ARM_HEIGHT
             for along, aside in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
                 forward, left = 0.5 * along * length, 0.5 * aside * width
@@ -196,6 +205,17 @@ class Renderer:
         """Return a geom of the scene that is still free."""
         self._scene.ngeom += 1
         return self._scene.geoms[self._scene.ngeom - 1]
+
+
+def _joints_of(robot: RobotModel, q: Vector) -> list[Vector]:
+    """Return points around the joints of a robot and the links that do not move, at q, m."""
+    model, data = robot.pinocchio, robot.pinocchio.createData()
+    pin.framesForwardKinematics(model, data, robot.positions(q))
+    return [
+        pose.translation + _LINK * np.array(corner)
+        for pose in data.oMf
+        for corner in itertools.product((-1.0, 1.0), repeat=3)
+    ]
 
 
 def _fit(across: Vector, depth: Vector, slope: float) -> tuple[float, float]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.robots import ARM, BASE, Team
+from lexstack.robots import Team
 from lexstack.types import Vector
 from lexstack_config.plant import PlantConfig
 
@@ -45,8 +46,8 @@ class Sensors:
     def __init__(self, config: PlantConfig, team: Team, period: float) -> None:
         """Read the scenario's numbers; ``period`` [s] is that of ``see``."""
         self._config = config
-        self._arms = _joints(team, ARM)
-        self._bases = _joints(team, BASE)
+        self._arms = _joints(team, [robot.arm for robot in team.robots])
+        self._bases = _joints(team, [robot.base for robot in team.robots])
         self._age = round(config.latency / period)  # steps
         self.perfect = not (config.encoder_step or config.velocity_noise or self._age)
         self.slips = config.base_slip > 0.0
@@ -88,6 +89,9 @@ class Sensors:
             state.grip[self._bases] = 1.0 - lost
 
 
-def _joints(team: Team, part: slice) -> Vector:
+def _joints(team: Team, parts: Sequence[slice]) -> Vector:
     """Return the places in chi of a part of every robot."""
-    return np.concatenate([np.arange(team.n)[whole][part] for whole in team.slices])
+    places = np.arange(team.n)
+    return np.concatenate(
+        [places[whole][part] for whole, part in zip(team.slices, parts, strict=True)]
+    )

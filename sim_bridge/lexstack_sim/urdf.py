@@ -5,40 +5,124 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
-from lexstack.robots import BASE_JOINTS, RobotModel, build_base, description_path
+import pinocchio as pin
+
+from lexstack.robots import BASE_JOINTS, BaseConfig, RobotModel, build_base, urdf_text
+from lexstack_sim.meshes import link_in_model
+
+_PLANAR = (("x", "prismatic", "1 0 0"), ("y", "prismatic", "0 1 0"), ("yaw", "continuous", "0 0 1"))
 
 
 def robot_urdf(robot: RobotModel) -> str:
-    """Return the URDF of a robot; its joints bear the names of the robot's part of chi."""
-    base, arm = robot.config.base, robot.config.arm
+    """Return the URDF of a robot as it stands in the frame ``world``.
+
+    Its joints bear the names of the robot's part of chi. Links of the robot's own URDF keep their
+    names, but for those of ``world``, the platform and the tools: they begin with ``arm_`` then.
+    """
     root = ET.Element("robot", name=robot.name)
-    links = ("world", "base_x_link", "base_y_link", "base")
-    for link in links[:-1]:
-        ET.SubElement(root, "link", name=link)
-    for i, joint in enumerate(BASE_JOINTS):
-        kind = "continuous" if joint == "base_yaw" else "prismatic"
-        element = _joint(root, joint, kind, links[i], links[i + 1])
-        ET.SubElement(element, "axis", xyz=("1 0 0", "0 1 0", "0 0 1")[i])
-        limit = {"effort": str(base.servo_force[i]), "velocity": str(base.velocity[i])}
-        if kind == "prismatic":
-            limit |= {"lower": "-1000", "upper": "1000"}
-        ET.SubElement(element, "limit", limit)
-    _add_platform(root, robot)
-    mount = _joint(root, "arm_mount", "fixed", "base", arm.root)
-    _origin(mount, arm.mount.xyz, arm.mount.rpy)
-    source = ET.parse(description_path(arm.description)).getroot()  # noqa: S314 - as above
-    root.extend(element for element in source if element.tag in ("link", "joint"))
-    ET.SubElement(root, "link", name="tool")
-    tool = _joint(root, "tool_mount", "fixed", robot.config.tool.parent, "tool")
-    _origin(tool, robot.config.tool.xyz, robot.config.tool.rpy)
+    ET.SubElement(root, "link", name="world")
+    base = robot.config.base
+    if base is not None:
+        _add_base(root, base)
+    own = {link.get("name", "") for link in root.iter("link")} | {"tool", *robot.config.tools}
+    arm = robot.config.arm
+    if arm.description:
+        source = ET.fromstring(urdf_text(arm.description))  # noqa: S314 - the robot came from it
+        renamed = _rename_links(source, own)
+        first = _first(source, renamed)
+        ground = "world" if base is None else "base"
+        mount = _joint(root, "arm_mount", "fixed", ground, renamed[first])
+        _origin(mount, *_mounting(robot, first))
+        root.extend(
+            each
+            for element in source
+            if element.tag in ("link", "joint")
+            for each in _plain(element)
+        )
+        for name, frame in {"tool": robot.config.tool, **robot.config.tools}.items():
+            ET.SubElement(root, "link", name=name)
+            tool = _joint(
+                root, f"{name}_mount", "fixed", renamed.get(frame.parent, frame.parent), name
+            )
+            _origin(tool, frame.xyz, frame.rpy)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode", xml_declaration=True)
 
 
-def _add_platform(root: ET.Element, robot: RobotModel) -> None:
-    """Add the link ``base``: a box on four cylinders, with the inertia of the model's platform."""
-    base, wheels = robot.config.base, robot.config.base.wheels
+def _add_base(root: ET.Element, base: BaseConfig) -> None:
+    """Add the joints and links of a platform."""
+    links = ("world", "base_x_link", "base_y_link", "base")
+    for link in links[1:-1]:
+        ET.SubElement(root, "link", name=link)
+    for i, (joint, (_, kind, axis)) in enumerate(zip(BASE_JOINTS, _PLANAR, strict=True)):
+        element = _joint(root, joint, kind, links[i], links[i + 1])
+        ET.SubElement(element, "axis", xyz=axis)
+        limit = {"effort": str(base.servo_force[i]), "velocity": str(base.velocity[i])}
+        if kind == "prismatic":
+            limit |= {"lower": "-1000", "upper": "1000"}
+        ET.SubElement(element, "limit", limit)
+    _add_platform(root, base)
+
+
+def _rename_links(source: ET.Element, taken: set[str]) -> dict[str, str]:
+    """Rename the links of a URDF whose names are taken; return the new name of every link."""
+    names = [link.get("name", "") for link in source.findall("link")]
+    renamed = {name: f"arm_{name}" if name in taken else name for name in names}
+    for link in source.findall("link"):
+        link.set("name", renamed[link.get("name", "")])
+    for joint in source.findall("joint"):
+        for end in joint.iter():
+            if end.tag in ("parent", "child"):
+                end.set("link", renamed[end.get("link", "")])
+    return renamed
+
+
+def _first(source: ET.Element, renamed: dict[str, str]) -> str:
+    """Return the own name of a URDF's first link, which hangs on no joint."""
+    hanging = {child.get("link") for child in source.iter("child")}
+    return next(name for name, now in renamed.items() if now not in hanging)
+
+
+def _mounting(robot: RobotModel, first: str) -> tuple[Iterable[float], Iterable[float]]:
+    """Return xyz and rpy of the URDF's first link on what it is mounted on."""
+    arm = robot.config.arm
+    if robot.has_base and first == arm.root:
+        return arm.mount.xyz, arm.mount.rpy
+    place = robot.pinocchio.frames[robot.frame(link_in_model(robot, first))].placement
+    return place.translation, pin.rpy.matrixToRpy(place.rotation)
+
+
+def _plain(element: ET.Element) -> list[ET.Element]:
+    """Return an element of a URDF, a planar joint as three joints with links between them."""
+    if element.tag != "joint" or element.get("type") != "planar":
+        return [element]
+    name, parent, child = element.get("name", ""), element.find("parent"), element.find("child")
+    if parent is None or child is None:
+        return [element]
+    links = (*(parent.get("link", ""), f"{name}_x_link", f"{name}_y_link", child.get("link", "")),)
+    found: list[ET.Element] = [ET.Element("link", name=link) for link in links[1:-1]]
+    for i, (axis, kind, direction) in enumerate(_PLANAR):
+        joint = ET.Element("joint", name=f"{name}_{axis}", type=kind)
+        ET.SubElement(joint, "parent", link=links[i])
+        ET.SubElement(joint, "child", link=links[i + 1])
+        ET.SubElement(joint, "axis", xyz=direction)
+        ET.SubElement(joint, "limit", effort="1e3", velocity="1e3", lower="-1e3", upper="1e3")
+        origin = element.find("origin")
+        if origin is not None and i == 0:
+            joint.append(origin)
+        found.append(joint)
+    return found
+
+
+def _add_platform(root: ET.Element, base: BaseConfig) -> None:
+    """Add the link ``base``: a box on four cylinders, with the inertia of the model's platform.
+
+    An empty one where the robot's own URDF has the platform.
+    """
     link = ET.SubElement(root, "link", name="base")
+    if not base.chassis_mass:
+        return
+    wheels = base.wheels
     platform = build_base(base).inertias[len(BASE_JOINTS)]
     inertial = ET.SubElement(link, "inertial")
     _origin(inertial, platform.lever)

@@ -8,10 +8,10 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from lexstack.robots import RobotModel
-from lexstack.types import Matrix
-from lexstack_sim.collada import Color, read_collada
-from lexstack_sim.meshes import Shape, arm_shapes
+from lexstack.robots import BaseConfig, RobotModel, WheelsConfig
+from lexstack.types import Matrix, Vector
+from lexstack_sim.collada import Color, clustered, read_collada
+from lexstack_sim.meshes import Mesh, Shape, arm_shapes
 
 TINTS = ((0.95, 0.42, 0.08), (0.07, 0.42, 0.85), (0.15, 0.6, 0.25), (0.6, 0.25, 0.7))
 """Colours by which robots are told apart, in the order of chi."""
@@ -26,6 +26,8 @@ _TINTED = 0.15  # how much of its tint the white of an arm takes
 _BOX, _CYLINDER = mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_CYLINDER
 _CAPSULE = mujoco.mjtGeom.mjGEOM_CAPSULE
 _ROLLERS = 10  # of a mecanum wheel
+_CELL = 0.004  # m, details smaller than this vanish
+_MANY = 5000  # triangles, above which a mesh is made coarser
 
 
 def add_visuals(
@@ -33,12 +35,13 @@ def add_visuals(
 ) -> None:
     """Add a robot's visible parts to its bodies; they weigh nothing and touch nothing."""
     tint = TINTS[index % len(TINTS)]
-    base = robot.pinocchio.frames[robot.pinocchio.getFrameId("base")].parentJoint
-    _add_chassis(spec, bodies[base], robot, (*tint, 1.0))
-    wheels = robot.config.base.wheels
-    for x in (wheels.x, -wheels.x):
-        for y in (wheels.y, -wheels.y):
-            _add_wheel(bodies[base], robot, x, y)
+    base = robot.config.base
+    if base is not None and base.chassis_mass:
+        body = bodies[robot.pinocchio.frames[robot.pinocchio.getFrameId("base")].parentJoint]
+        _add_chassis(spec, body, robot, base, (*tint, 1.0))
+        for x in (base.wheels.x, -base.wheels.x):
+            for y in (base.wheels.y, -base.wheels.y):
+                _add_wheel(body, base.wheels, x, y)
     for shape in arm_shapes(robot, pin.GeometryType.VISUAL):
         _add_link(spec, bodies[shape.joint], robot, shape, tint)
 
@@ -93,9 +96,10 @@ def _add_floor(spec: mujoco.MjSpec) -> None:
     )
 
 
-def _add_chassis(spec: mujoco.MjSpec, body: mujoco.MjsBody, robot: RobotModel, tint: Color) -> None:
+def _add_chassis(
+    spec: mujoco.MjSpec, body: mujoco.MjsBody, robot: RobotModel, base: BaseConfig, tint: Color
+) -> None:
     """Add a rounded dark hull above the wheels, coloured skirts, a top plate, lamps in front."""
-    base = robot.config.base
     length, width, _ = base.chassis_size
     top = base.chassis_height + 0.5 * base.chassis_size[2]
     bottom = 1.8 * base.wheels.radius  # the hull covers the wheels' upper part
@@ -118,9 +122,8 @@ def _add_chassis(spec: mujoco.MjSpec, body: mujoco.MjsBody, robot: RobotModel, t
     _box(body, (0.5 * length, 0, height), (0.014, 0.2, 0.06), tint)
 
 
-def _add_wheel(body: mujoco.MjsBody, robot: RobotModel, x: float, y: float) -> None:
+def _add_wheel(body: mujoco.MjsBody, wheels: WheelsConfig, x: float, y: float) -> None:
     """Add a mecanum wheel: hub, two discs, and rollers at 45 degrees, mirrored like the real."""
-    wheels = robot.config.base.wheels
     radius, half = wheels.radius, 0.5 * wheels.width
     sideways = (np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
     center = np.array([x, y, radius])
@@ -156,16 +159,37 @@ def _add_link(
     tint: Sequence[float],
 ) -> None:
     """Add one link's meshes in their own colours, the white mixed with the robot's tint."""
-    if shape.is_box:
-        shape.add_box(body, rgba=_WHITE, **_ONLY_SEEN)
+    if shape.is_primitive:
+        shape.add_primitive(body, rgba=shape.color or _WHITE, **_ONLY_SEEN)
         return
-    is_collada = shape.path.suffix == ".dae"
-    coloured = read_collada(shape.path) if is_collada else {_WHITE: shape.mesh()}
-    for i, (color, mesh) in enumerate(coloured.items()):
+    for i, (color, mesh) in enumerate(_coloured(shape).items()):
         share = _TINTED if min(color[:3]) > 0.8 else 0.0
         mixed = (1.0 - share) * np.array(color[:3]) + share * np.array(tint)
         asset = f"look/{robot.config.name}/{shape.name}_{i}"
         shape.add_mesh(spec, body, asset, mesh, rgba=(*mixed, color[3]), **_ONLY_SEEN)
+
+
+def _coloured(shape: Shape) -> dict[Color, Mesh]:
+    """Return a mesh by colour, in metres; one colour where its file has none that we can read."""
+    whole = shape.mesh()
+    if shape.path.suffix == ".dae" and shape.color is None:
+        found = _scaled(read_collada(shape.path), shape.scale)
+        if found and np.abs(_box_of(*found.values()) - _box_of(whole)).max() < _CELL:
+            return found
+    if len(whole.faces) > _MANY:
+        whole = clustered(whole.vertices[whole.faces.ravel()], _CELL)
+    return {shape.color or _WHITE: whole}
+
+
+def _scaled(meshes: dict[Color, Mesh], scale: Vector) -> dict[Color, Mesh]:
+    """Return meshes as the URDF scales them."""
+    return {color: Mesh(scale * mesh.vertices, mesh.faces) for color, mesh in meshes.items()}
+
+
+def _box_of(*meshes: Mesh) -> Matrix:
+    """Return the box that holds all used corners of meshes: least and most, shape (2, 3), m."""
+    points = np.concatenate([mesh.vertices[mesh.faces.ravel()] for mesh in meshes])
+    return np.array([points.min(axis=0), points.max(axis=0)])
 
 
 def _box(

@@ -24,7 +24,7 @@ def scenario(**values):
 def clearance_of(loop):
     """Return the distance of each robot to each obstacle at every tick, (T, 2, 3), m."""
     team = loop.parts.team
-    measure = Clearance(loop.plant.world, team.names, team.obstacles)
+    measure = Clearance(loop.plant.world, team)
     return np.array([measure.at(state.q, state.stamp) for state in loop.record.states])
 
 

@@ -154,7 +154,7 @@ def test_the_spheres_of_the_core_are_a_careful_measure(seed):
     lines = spheres.centers[:, None] - team.obstacles.at(stamp)
     distance = np.linalg.norm(lines, axis=2) - spheres.radii[:, None] - team.obstacles.radii
     by_robot = np.array([distance[spheres.owners == robot].min(axis=0) for robot in (0, 1)])
-    clearance = Clearance(build_world(team), team.names, team.obstacles)
+    clearance = Clearance(build_world(team), team)
     measured = clearance.at(q, stamp, most=9.0)
     assert measured.shape == (2, 2)
     assert (by_robot <= measured + 0.0101).all()
@@ -164,7 +164,7 @@ def test_the_spheres_of_the_core_are_a_careful_measure(seed):
 def test_depths_are_negative_and_far_is_far():
     resolved = changed(obstacles={"inside": ObstacleConfig((0.2, 0.0, 0.4), 0.1)})
     team = build_team(resolved)
-    clearance = Clearance(build_world(team), team.names, team.obstacles)
+    clearance = Clearance(build_world(team), team)
     inside, far = clearance.at(home(), 0.0)[:, 0]
     assert inside < -0.05
     assert far == 1.0

@@ -20,6 +20,7 @@ from lexstack_interfaces.msg import PlantState
 from lexstack_ros.messages.conversions import WORLD, to_array, to_time
 from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_ros.node.sole_sender import sender_name
+from lexstack_sim.coordinates import following
 from lexstack_sim.plant_state import Status
 from lexstack_sim.urdf import robot_urdf
 
@@ -43,7 +44,6 @@ class PlantTopics:
             (_RobotTopics(node, robot), part)
             for robot, part in zip(team.robots, team.slices, strict=True)
         ]
-
         self._frames = tie_frames(node, team.names)
 
     def publish(
@@ -99,22 +99,27 @@ def tied(name: str) -> TransformStamped:
 
 
 class _RobotTopics:
-    """/NAME/joint_states, /NAME/ee_pose, /NAME/odom, and once /NAME/robot_description."""
+    """/NAME/joint_states, /NAME/ee_pose, /NAME/odom of a base, once /NAME/robot_description."""
 
     def __init__(self, node: Node, robot: RobotModel) -> None:
-        """Create the publishers of one robot."""
+        """Create the publishers of one robot; one without a base has no odometry."""
         self._robot = robot
         name, fixed = robot.name, robot.config.arm.fixed
         self._fixed = np.array(list(fixed.values()))
         self._nothing = np.zeros(len(fixed))
-        self._joints = JointState(name=[*robot.joints, *fixed])
+        self._following = following(robot)
+        mimics = [robot.pinocchio.names[1 + row] for row in self._following]
+        self._weightless = np.zeros(len(mimics))
+        self._joints = JointState(name=[*robot.joints, *mimics, *fixed])
         self._pose = PoseStamped()
         self._odometry = Odometry(child_frame_id=f"{name}/base")
         for message in (self._joints, self._pose, self._odometry):
             message.header.frame_id = WORLD
         self._joints_out = node.create_publisher(JointState, f"/{name}/joint_states", STREAM)
         self._pose_out = node.create_publisher(PoseStamped, f"/{name}/ee_pose", STREAM)
-        self._odometry_out = node.create_publisher(Odometry, f"/{name}/odom", STREAM)
+        self._odometry_out = (
+            node.create_publisher(Odometry, f"/{name}/odom", STREAM) if robot.has_base else None
+        )
         self._description_out = node.create_publisher(String, f"/{name}/robot_description", LATCHED)
         self._description_out.publish(String(data=robot_urdf(robot)))
 
@@ -122,12 +127,21 @@ class _RobotTopics:
         """Publish the robot's part of the state, all of shape (n_robot,)."""
         time = to_time(stamp)
         self._joints.header.stamp = self._pose.header.stamp = self._odometry.header.stamp = time
-        self._joints.position = to_array(np.concatenate([q, self._fixed]))
-        self._joints.velocity = to_array(np.concatenate([v, self._nothing]))
-        self._joints.effort = to_array(np.concatenate([effort, self._nothing]))
+        mimic_q, mimic_v = self._mimics(q, v)
+        self._joints.position = to_array(np.concatenate([q, mimic_q, self._fixed]))
+        self._joints.velocity = to_array(np.concatenate([v, mimic_v, self._nothing]))
+        self._joints.effort = to_array(np.concatenate([effort, self._weightless, self._nothing]))
         self._joints_out.publish(self._joints)
         self._publish_pose(q)
-        self._publish_odometry(q, v)
+        if self._odometry_out is not None:
+            self._publish_odometry(q, v, self._odometry_out)
+
+    def _mimics(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
+        """Return positions and velocities of the joints that mimic others."""
+        joints, rows = self._robot.map, self._following
+        if joints is None:
+            return self._weightless, self._weightless
+        return joints.positions(q)[rows], joints.matrix[rows] @ v
 
     def _publish_pose(self, q: Vector) -> None:
         """Publish the pose of the tool in the world."""
@@ -137,7 +151,7 @@ class _RobotTopics:
         turn.x, turn.y, turn.z, turn.w = to_quaternion(tool.rotation).tolist()
         self._pose_out.publish(self._pose)
 
-    def _publish_odometry(self, q: Vector, v: Vector) -> None:
+    def _publish_odometry(self, q: Vector, v: Vector, out: Publisher) -> None:
         """Publish the base's pose in the world, and its velocity in its own frame."""
         x, y, yaw = q[:3].tolist()
         pose, twist = self._odometry.pose.pose, self._odometry.twist.twist
@@ -147,4 +161,4 @@ class _RobotTopics:
         vx, vy, rate = v[:3].tolist()
         twist.linear.x, twist.linear.y = cosine * vx + sine * vy, cosine * vy - sine * vx
         twist.angular.z = rate
-        self._odometry_out.publish(self._odometry)
+        out.publish(self._odometry)

@@ -7,7 +7,7 @@ from lexstack import on_demand
 if TYPE_CHECKING:
     from lexstack.robots.assembly import BASE_JOINTS, build_base
     from lexstack.robots.collision_geometry import Spheres
-    from lexstack.robots.description import description_path, located, urdf_text
+    from lexstack.robots.description import description_path, is_text, located, urdf_text
     from lexstack.robots.from_urdf import mobile_manipulator, robot_from_urdf
     from lexstack.robots.kinematics import Kinematics, Pose
     from lexstack.robots.obstacles import Obstacles
@@ -31,7 +31,7 @@ else:
         {
             "assembly": "BASE_JOINTS build_base",
             "collision_geometry": "Spheres",
-            "description": "description_path located urdf_text",
+            "description": "description_path is_text located urdf_text",
             "from_urdf": "mobile_manipulator robot_from_urdf",
             "kinematics": "Kinematics Pose",
             "obstacles": "Obstacles",
@@ -69,6 +69,7 @@ __all__ = [
     "description_path",
     "from_quaternion",
     "from_rpy",
+    "is_text",
     "located",
     "log3",
     "mobile_manipulator",

@@ -97,6 +97,7 @@ class ArmConfig:
     # rad: where the task ``posture`` leads by default, away from singularities; None: mid-range,
     # which is often singular
     posture: tuple[Finite, ...] | None = None
+    packages: tuple[str, ...] = ()  # absolute folders of packages, for the meshes of package://
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a list of the wrong length, or angles out of range."""

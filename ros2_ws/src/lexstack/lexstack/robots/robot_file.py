@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from lexstack.errors import ConfigurationError, ModelError
 from lexstack.options import Range, build, shown
 from lexstack.robots.description import located
+from lexstack.robots.joint_inertia import BANDWIDTH, DAMPING_RATIO, joint_inertias
 from lexstack.robots.options import ArmConfig, BaseConfig, FrameConfig, RobotConfig, SphereConfig
 from lexstack.robots.per_joint import (
     NotNegativePerJoint,
@@ -29,11 +30,9 @@ RISE = 0.4  # s, in which a joint reaches its full velocity: the default of its 
 RAMP = 0.01  # s, in which a joint reaches its full acceleration: the default of its jerk
 
 # Defaults of the joints' torque loop, which the simulation alone needs: of a joint that turns, and
-# of one that slides.
+# of one that slides. Stiffness and damping follow from what the joint moves.
 _LOOP = {
     "torque_rate": (1000.0, 10000.0),  # N m/s, N/s
-    "stiffness": (200.0, 20000.0),  # N m/rad, N/m
-    "damping": (20.0, 2000.0),  # N m s/rad, N s/m
     "armature": (0.1, 1.0),  # kg m2, kg
     "q_star_distance": (0.1, 0.02),  # rad, m
 }
@@ -57,8 +56,10 @@ class ArmFile:
     jerk: PositivePerJoint = field(default_factory=dict)  # default: acceleration / 0.01 s
     torque: PositivePerJoint = field(default_factory=dict)  # default: the URDF's effort
     torque_rate: PositivePerJoint = field(default_factory=dict)  # default: 1000 N m/s, 10000 N/s
-    stiffness: PositivePerJoint = field(default_factory=dict)  # default: 200 N m/rad, 20000 N/m
-    damping: NotNegativePerJoint = field(default_factory=dict)  # default: 20 N m s/rad, 2000 N s/m
+    stiffness: PositivePerJoint = field(
+        default_factory=dict
+    )  # default: m (30 rad/s)^2, m: joint_inertias
+    damping: NotNegativePerJoint = field(default_factory=dict)  # default: 2 sqrt(stiffness m)
     armature: NotNegativePerJoint = field(default_factory=dict)  # default: 0.1 kg m2, 1 kg
     q_star_distance: PositivePerJoint = field(default_factory=dict)  # default: 0.1 rad, 0.02 m
     posture: PerJoint | None = None  # where the task posture leads; default: mid-range
@@ -98,7 +99,10 @@ def completed(
         urdf = description or read_urdf(place)
     except ModelError as error:
         raise ConfigurationError(f"{where}: arm.description: {error}") from error
-    arm = build(ArmConfig, _arm(file.arm, place, urdf, f"{where}: arm"), f"{where}: arm")
+    arm = _arm(file.arm, place, urdf, f"{where}: arm")
+    here = folder or Path()
+    packages = tuple(str((here / each).resolve()) for each in file.arm.packages)
+    arm = build(ArmConfig, replace(arm, packages=packages), f"{where}: arm")
     tool = file.tool or FrameConfig(_leaf(urdf, arm.joints, f"{where}: tool"))
     return RobotConfig(file.name, file.base, arm, tool, file.spheres, file.tools)
 
@@ -134,6 +138,11 @@ def _arm(arm: ArmFile, place: str, urdf: Description, where: str) -> ArmConfig:
     }
     home = values("home", lambda name: zero(*range_of[name]))
     resting = dict(zip(joints, home, strict=True))
+    fixed = _fixed(arm, joints, urdf, where)
+    armature = dict(zip(joints, loop["armature"], strict=True))
+    moved = joint_inertias(urdf, resting, fixed, armature)
+    stiffness = values("stiffness", lambda name: moved[name] * BANDWIDTH**2)
+    spring = dict(zip(joints, stiffness, strict=True))
     posture = None
     if arm.posture is not None:
         posture = per_joint(arm.posture, joints, resting.__getitem__, f"{where}: posture")
@@ -142,7 +151,7 @@ def _arm(arm: ArmFile, place: str, urdf: Description, where: str) -> ArmConfig:
         root=model.frames[min(1, model.nframes - 1)].name if arm.root is None else arm.root,
         mount=arm.mount,
         joints=joints,
-        fixed=_fixed(arm, joints, urdf, where),
+        fixed=fixed,
         home=home,
         position_lower=lower,
         position_upper=upper,
@@ -151,7 +160,13 @@ def _arm(arm: ArmFile, place: str, urdf: Description, where: str) -> ArmConfig:
         jerk=values("jerk", lambda name: rise[name] / RAMP),
         torque=of_urdf("torque", model.effortLimit),
         posture=posture,
-        **loop,
+        stiffness=stiffness,
+        damping=values(
+            "damping", lambda name: 2.0 * DAMPING_RATIO * math.sqrt(spring[name] * moved[name])
+        ),
+        torque_rate=loop["torque_rate"],
+        armature=loop["armature"],
+        q_star_distance=loop["q_star_distance"],
     )
 
 

@@ -56,7 +56,10 @@ def read_urdf(description: str) -> Description:
     """
     where = "the URDF" if is_text(description) else Path(description).name
     text = urdf_text(description)
-    mimics = read_mimics(_tree(text, where), where)
+    tree = _tree(text, where)
+    mimics = read_mimics(tree, where)
+    if tree.find("link/*/geometry/capsule") is not None:  # which pinocchio's parser complains of
+        text = _without_shapes(tree)
     try:
         full = pin.buildModelFromXML(text)
     except Exception as error:  # pinocchio raises what urdfdom and Boost do
@@ -64,6 +67,14 @@ def read_urdf(description: str) -> Description:
         raise ModelError(f"{where}: pinocchio cannot read it: {reason}") from error
     model, continuous = one_coordinate(full, where)
     return Description(model, mimics, continuous)
+
+
+def _without_shapes(tree: ET.Element) -> str:
+    """Return a URDF without visual and collision geometry."""
+    for link in tree.findall("link"):
+        for shape in (*link.findall("visual"), *link.findall("collision")):
+            link.remove(shape)
+    return ET.tostring(tree, encoding="unicode")
 
 
 def one_coordinate(full: pin.Model, where: str) -> tuple[pin.Model, frozenset[str]]:

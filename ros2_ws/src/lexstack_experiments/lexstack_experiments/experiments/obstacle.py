@@ -90,7 +90,7 @@ def _outcome(case: Case, variant: str, whole: ResolvedScenario, options: Options
     loop = run_reporting(Loop(resolved), f"{case.name}, {variant}", options.say)
     assert isinstance(loop.plant, Plant)
     team = loop.parts.team
-    measure = Clearance(loop.plant.world, team.names, team.obstacles)
+    measure = Clearance(loop.plant.world, team)
     clearance = [
         (measure.between(s.q, _MOST) if case.meet else measure.at(s.q, s.stamp, _MOST)).min()
         for s in loop.record.states

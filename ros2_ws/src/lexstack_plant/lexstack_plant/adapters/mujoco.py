@@ -54,6 +54,8 @@ class SimBridge(Node):
         self._options = BridgeOptions.declare(self)
         self._team = build_team(resolved)
         self._plant = Plant(resolved, self._team, scenario.seed)
+        for note in self._plant.notes:
+            self.get_logger().warning(note)
         self._pacer = Pacer(scenario.mode, self._plant.period, scenario.timeouts.command_wall)
         last = round(scenario.duration * scenario.rate)
         self._tick_cycle = TickCycle(self._plant, self._pacer, last, self._publish, monotonic)

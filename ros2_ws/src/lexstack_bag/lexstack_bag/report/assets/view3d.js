@@ -79,7 +79,7 @@ const View3d = (() => {
     // state: q of all robots; ee: 7 numbers a robot; base: x, y, yaw; obstacles: centers, flat.
     set(state) {
       for (const joint of this.joints) {
-        const value = state.q[joint.index];
+        const value = joint.ratio * state.q[joint.index] + joint.offset;
         if (joint.slides) joint.node.position.copy(joint.axis).multiplyScalar(value);
         else joint.node.quaternion.setFromAxisAngle(joint.axis, value);
       }
