@@ -11,8 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from lexstack.errors import ModelError
-from lexstack.robots import BASE_JOINTS, RobotModel, Team
-from lexstack.robots.urdf import slides
+from lexstack.robots import BASE_JOINTS, RobotModel, Team, slides
 from lexstack.types import Vector
 from lexstack_sim.contacts import add_contacts, add_self_contacts, compiled
 from lexstack_sim.coordinates import following, joint_name

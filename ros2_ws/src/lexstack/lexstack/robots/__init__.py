@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from lexstack.robots.robot_file import ArmFile, RobotFile, completed
     from lexstack.robots.spatial import from_quaternion, from_rpy, log3, to_quaternion, wrap
     from lexstack.robots.team import Team
+    from lexstack.robots.urdf import slides
 else:
     __getattr__ = on_demand(
         __name__,
@@ -41,6 +42,7 @@ else:
             "robot_file": "ArmFile RobotFile completed",
             "spatial": "from_quaternion from_rpy log3 to_quaternion wrap",
             "team": "Team",
+            "urdf": "slides",
         },
     )
 
@@ -74,6 +76,7 @@ __all__ = [
     "log3",
     "mobile_manipulator",
     "robot_from_urdf",
+    "slides",
     "to_quaternion",
     "urdf_text",
     "wrap",
