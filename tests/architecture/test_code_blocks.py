@@ -17,7 +17,7 @@ from functools import cache
 import pytest
 import yaml
 
-from lexstack.robots import ObstacleConfig
+from lexstack.robots import ObstacleConfig, RobotFile
 from lexstack.tasks import StackConfig
 from lexstack_bringup.hosts import SERVER, load_hosts
 from lexstack_bringup.player import PLAYER
@@ -190,6 +190,8 @@ def check_yaml(text, where):
         build(ScenarioConfig, data, where)
     elif "levels" in data:
         build(StackConfig, data, where)
+    elif "arm" in data:
+        build(RobotFile, data, where)
     elif set(data) == {"obstacles"}:
         for name, values in data["obstacles"].items():
             build(ObstacleConfig, values, f"{where}: {name}")
