@@ -59,10 +59,10 @@ def test_a_lower_level_never_worsens_one_above_beyond_h13(which, kind, seed, wil
 
 @MANY
 @given(seed=SEEDS, wild=st.sampled_from([1.0, 3.0]), second_order_correction=st.booleans())
-def test_without_tolerance_no_error_of_a_level_above_grows(seed, wild, correction):
+def test_without_tolerance_no_error_of_a_level_above_grows(seed, wild, second_order_correction):
     """With delta = 0 a level may move others only where it leaves every error as it is."""
     solver, start, objectives = problem(
-        seed, wild=wild, tolerance=0.0, second_order_correction=correction
+        seed, wild=wild, tolerance=0.0, second_order_correction=second_order_correction
     )
     alone = solver.solve(start, objectives[:1])
     both = solver.solve(start, objectives)

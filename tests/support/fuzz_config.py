@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lexstack.errors import ConfigurationError
 from lexstack.mpc import HtmpcConfig
-from lexstack.robots import RobotConfig
+from lexstack.robots import RobotFile
 from lexstack.tasks import StackConfig
 from lexstack_bringup.hosts import HostsConfig
 from lexstack_config.reader import build, parse_yaml
@@ -13,7 +13,7 @@ from lexstack_config.scenario import ScenarioConfig
 from support.scenario import CONFIG, resolved
 
 KINDS = {
-    "robots": RobotConfig,
+    "robots": RobotFile,
     "stacks": StackConfig,
     "scenarios": ScenarioConfig,
     "htmpc": HtmpcConfig,

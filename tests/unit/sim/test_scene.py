@@ -18,6 +18,7 @@ from lexstack_sim.scene import scene
 from support.scenario import resolved
 
 ROBOTS = sorted((Path(__file__).parents[3] / "config/robots").glob("*.yaml"))
+SMALL = next(path for path in ROBOTS if path.stem == "panda_summit")
 
 
 def team_of(path, **changes):
@@ -55,8 +56,7 @@ def test_every_robot_can_be_drawn(path):
 
 
 def test_robots_of_one_kind_share_their_meshes():
-    path = ROBOTS[0]
-    two = scene(team_of(path))
+    two = scene(team_of(SMALL))
     assert len({part["mesh"] for b in two["bodies"] for part in b["parts"] if "mesh" in part}) < (
         sum("mesh" in part for b in two["bodies"] for part in b["parts"])
     )
@@ -64,5 +64,5 @@ def test_robots_of_one_kind_share_their_meshes():
 
 def test_obstacles_are_left_to_the_viewer():
     ball = {"ball": ObstacleConfig(position=(1.0, 2.0, 0.5), radius=0.2)}
-    without, with_ball = (scene(team_of(ROBOTS[0], obstacles=o)) for o in ({}, ball))
+    without, with_ball = (scene(team_of(SMALL, obstacles=o)) for o in ({}, ball))
     assert without == with_ball

@@ -206,7 +206,7 @@ def test_posture_goes_to_mid_range_where_the_file_says_so_or_the_robot_has_no_po
 
 
 def test_posture_refuses_a_target_that_is_neither_a_list_nor_mid_range():
-    with pytest.raises(ConfigurationError, match="here: target: expected a list, got 'middle'"):
+    with pytest.raises(ConfigurationError, match="here: target: 'middle' is not one of: mid_range"):
         make("posture", target="middle")
 
 

@@ -123,7 +123,11 @@ class Level:
             return _Step(iterate, Outcome.FAILED, 0.0, 0, "", "not tried: a cost is not finite")
         direction, bend, word = self._direction(iterate, quadratic)
         if word != "solved":
-            return _Step(iterate, Outcome.FAILED, 0.0, 0, "", word)
+            # The zero step is always allowed (``_opened``): "infeasible" is the verdict of rounding
+            # on rows that depend on each other. The iterate is as good as it was, and the levels
+            # below may be served.
+            vain = word == "infeasible" and self._constraints
+            return _Step(iterate, Outcome.BLOCKED if vain else Outcome.FAILED, 0.0, 0, "", word)
         slope = float(quadratic.gradient @ direction)
         if -slope <= _CONVERGED * max(1.0, abs(cost)):
             return _Step(iterate, Outcome.CONVERGED, 0.0, 0, "", word)

@@ -11,13 +11,15 @@ class Outcome(Enum):
 
     CONVERGED = "converged"  # its optimality conditions hold: there was nothing left to gain
     STEPPED = "stepped"  # it took at least one step, and the last QP was solved
-    BLOCKED = "blocked"  # the QP has a direction, but the line search found no step along it
+    # No step was found: the line search refused all along the QP's direction, or the QP was called
+    # infeasible, although the zero step is always allowed.
+    BLOCKED = "blocked"
     FAILED = "failed"  # a QP was not solved, or something was not finite
     SKIPPED = "skipped"  # not tried, because a level above failed
 
     @property
     def sound(self) -> bool:
-        """Whether its QPs were solved: everything but FAILED and SKIPPED."""
+        """Whether the levels below may be served: everything but FAILED and SKIPPED."""
         return self not in (Outcome.FAILED, Outcome.SKIPPED)
 
 
