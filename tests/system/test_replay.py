@@ -173,7 +173,10 @@ def test_identical_writes_nothing_and_ends_with_0(recorded, capsys):
     [
         (["nowhere"], "nowhere: no such file or folder"),
         (["BAG", "--set", "speed=3"], "unknown key 'speed'"),
-        (["BAG", "--method", "jump"], "--method: unknown 'jump'"),
+        (
+            ["BAG", "--method", "jump"],
+            "method=jump: transition.method: unknown method 'jump'; known: bridge",
+        ),
         (["BAG", "--solver", "magic"], "solver"),
         (["BAG", "--node", "robot_x"], "invalid choice: 'robot_x'"),
         (["BAG", "--publish", "robot_x"], "invalid choice: 'robot_x'"),

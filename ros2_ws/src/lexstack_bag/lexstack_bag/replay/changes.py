@@ -57,7 +57,7 @@ class Changes:
         for setting in settings:
             _set(tree, setting)
         changed = build(ResolvedScenario, tree, "--set")
-        load_extensions(changed.scenario)
+        load_extensions(changed.scenario, str(self))
         _, new = self.stacks(changed)
         if new and new not in changed.stacks:
             known = ", ".join(sorted(changed.stacks))
