@@ -15,7 +15,7 @@ from std_srvs.srv import SetBool
 from lexstack.robots import Pose, to_quaternion
 from lexstack_config.resolved import load_scenario
 from lexstack_config.scenario import PoseConfig
-from lexstack_interfaces.msg import References
+from lexstack_interfaces.msg import PlantState, References
 from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import LATCHED
 from lexstack_testing.played_run import apart, together
@@ -24,6 +24,7 @@ from support.runs import acceleration_ratio, read, short_scenario
 from support.scenario import CONFIG, home, team
 
 pytestmark = pytest.mark.system
+ATTEMPTS = 5  # to have a run in real time without a late command
 
 
 def stream(mode, **values):
@@ -71,10 +72,23 @@ def test_a_target_in_mid_blend_is_no_kick(tmp_path, mode, running):
     tool = _ahead_of_the_tool()
     target = replace(switch, at=1.5, switch="", duration=0.0, ee_target={"robot_a": tool})
     scenario = replace(scenario, scenario=replace(scenario.scenario, events=(switch, target)))
-    with running(scenario, tmp_path) as run:
-        run.play()
-        assert run.end() == []
-    peak = acceleration_ratio(tmp_path / "bag", team().limits.acceleration, 0.01)
+    # Where the plant held its command for a tick, the next command makes good for two: such a run
+    # tells of the machine, and does not count.
+    for attempt in range(ATTEMPTS):
+        folder = tmp_path / str(attempt)
+        folder.mkdir()
+        with running(scenario, folder) as run:
+            run.play()
+            assert run.end() == []
+        held = [
+            state.tick
+            for state in read(folder / "bag", "/plant/state")["/plant/state"]
+            if 100 < state.tick < 260 and state.status == PlantState.HOLDING  # in the blend
+        ]
+        if not held:
+            break
+    assert not held, "no run without a late command"
+    peak = acceleration_ratio(folder / "bag", team().limits.acceleration, 0.01)
     assert 0.05 < peak < 0.25
 
 
