@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         Vector3,
         WheelsConfig,
     )
-    from lexstack.robots.robot import ARM, BASE, RobotModel
+    from lexstack.robots.robot import RobotModel
     from lexstack.robots.robot_file import ArmFile, RobotFile, completed
     from lexstack.robots.spatial import from_quaternion, from_rpy, log3, to_quaternion, wrap
     from lexstack.robots.team import Team
@@ -38,7 +38,7 @@ else:
             "obstacles": "Obstacles",
             "options": "ArmConfig BaseConfig FrameConfig ObstacleConfig "
             "RobotConfig SphereConfig Vector3 WheelsConfig",
-            "robot": "ARM BASE RobotModel",
+            "robot": "RobotModel",
             "robot_file": "ArmFile RobotFile completed",
             "spatial": "from_quaternion from_rpy log3 to_quaternion wrap",
             "team": "Team",
@@ -47,8 +47,6 @@ else:
     )
 
 __all__ = [
-    "ARM",
-    "BASE",
     "BASE_JOINTS",
     "ArmConfig",
     "ArmFile",

@@ -20,12 +20,6 @@ from lexstack.robots.spatial import from_rpy
 from lexstack.robots.urdf import Description, slides
 from lexstack.types import Matrix, Vector
 
-BASE = slice(0, 3)
-"""The joints of a platform in the vectors of a robot that has one; of any: ``RobotModel.base``."""
-
-ARM = slice(3, None)
-"""Its other joints; of any robot: ``RobotModel.arm``."""
-
 
 class RobotModel:
     """Kinematics, inertia and limits of one robot.

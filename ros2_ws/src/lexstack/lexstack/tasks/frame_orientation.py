@@ -7,11 +7,9 @@ The rows, axes and gains are those of ``frame_task``. pink and mink: ``FrameTask
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-from lexstack.options import Positive, build
+from lexstack.options import Positive
 from lexstack.references import TOOL
-from lexstack.robots import Team
 from lexstack.tasks.frame_task import (
     WORLD,
     FrameChoice,
@@ -39,20 +37,15 @@ class FrameOrientationParameters:
         check_mask(where, self.mask)
         check_gain(where, self.gain, 3)
 
+    @property
+    def choice(self) -> FrameChoice:
+        """Which rows of which frame."""
+        rows, gain = kept_rows(self.mask, 3), gain_of(self.gain, self.mask)
+        return FrameChoice(self.frame, self.axes, rows, gain, (1.0, self.max_angular))
+
 
 class FrameOrientation(FrameTask):
     """A J chi -> A x_dot^d + sat(K_p A e), with the measured pose of the frame."""
 
     kind = "frame_orientation"
     parameters = FrameOrientationParameters
-
-    @classmethod
-    def from_config(
-        cls, team: Team, robot: int, parameters: dict[str, Any], where: str
-    ) -> FrameOrientation:
-        """Return the task that a stack file describes; raises ConfigurationError."""
-        p = build(FrameOrientationParameters, parameters, where)
-        rows, gain = kept_rows(p.mask, 3), gain_of(p.gain, p.mask)
-        return cls(
-            team, robot, FrameChoice(p.frame, p.axes, rows, gain, (1.0, p.max_angular)), where
-        )

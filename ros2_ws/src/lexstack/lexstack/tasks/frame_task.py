@@ -14,10 +14,12 @@ is left out, which is exact where the error is zero. So is how a part of a rotat
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Protocol, Self
 
 import numpy as np
 
 from lexstack.errors import ConfigurationError, ModelError
+from lexstack.options import build
 from lexstack.references import TOOL, References
 from lexstack.robots import Kinematics, Pose, Team
 from lexstack.tasks.feed_forward import feed_forward
@@ -67,6 +69,15 @@ class FrameChoice:
         return tuple((p, x) for p, x in zip(parts, self.limits, strict=True) if p.stop > p.start)
 
 
+class FrameParameters(Protocol):
+    """Parameters of a task on the pose of a frame."""
+
+    @property
+    def choice(self) -> FrameChoice:
+        """Which rows of which frame."""
+        ...
+
+
 class FrameTask:
     """Base of the tasks on the pose of a frame.
 
@@ -76,7 +87,7 @@ class FrameTask:
     """
 
     kind = ""
-    parameters: type
+    parameters: type[FrameParameters]
 
     def __init__(self, team: Team, robot: int, choice: FrameChoice, where: str) -> None:
         """Make the task of the robot at place ``robot``; raises for a frame that is not there."""
@@ -94,6 +105,11 @@ class FrameTask:
         limits = tuple(limit for _, limit in self._parts)
         sizes = () if choice.plain else tuple(p.stop - p.start for p, _ in self._parts)
         self._curve = Curve(choice.largest, (robot,), (self._columns,), (1.0,), limits, sizes=sizes)
+
+    @classmethod
+    def from_config(cls, team: Team, robot: int, parameters: dict[str, Any], where: str) -> Self:
+        """Return the task that a stack file describes; raises ConfigurationError."""
+        return cls(team, robot, build(cls.parameters, parameters, where).choice, where)
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return a row for each that is kept, m/s then rad/s, in the axes of the task.

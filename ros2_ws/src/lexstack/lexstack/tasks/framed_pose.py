@@ -8,11 +8,9 @@ one gain it is ``ee_pose``. pink and mink: ``FrameTask``, with costs in place of
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-from lexstack.options import Positive, build
+from lexstack.options import Positive
 from lexstack.references import TOOL
-from lexstack.robots import Team
 from lexstack.tasks.frame_task import (
     WORLD,
     FrameChoice,
@@ -48,23 +46,15 @@ class FramePoseParameters:
         check_mask(where, self.mask)
         check_gain(where, self.gain, 6)
 
+    @property
+    def choice(self) -> FrameChoice:
+        """Which rows of which frame."""
+        rows, gain = kept_rows(self.mask, 0), gain_of(self.gain, self.mask)
+        return FrameChoice(self.frame, self.axes, rows, gain, (self.max_linear, self.max_angular))
+
 
 class FramePose(FrameTask):
     """A J chi -> A x_dot^d + sat(K_p A e), with the measured pose of the frame."""
 
     kind = "frame_pose"
     parameters = FramePoseParameters
-
-    @classmethod
-    def from_config(
-        cls, team: Team, robot: int, parameters: dict[str, Any], where: str
-    ) -> FramePose:
-        """Return the task that a stack file describes; raises ConfigurationError."""
-        p = build(FramePoseParameters, parameters, where)
-        rows, gain = kept_rows(p.mask, 0), gain_of(p.gain, p.mask)
-        return cls(
-            team,
-            robot,
-            FrameChoice(p.frame, p.axes, rows, gain, (p.max_linear, p.max_angular)),
-            where,
-        )
