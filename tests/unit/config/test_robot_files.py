@@ -54,6 +54,31 @@ def written(folder, urdf=TWO, **values):
     return path
 
 
+FOLLOWERS = chain(
+    revolute("a"),
+    revolute("b", LIMIT.format(-9, 9, 9, 9) + '<mimic joint="a" multiplier="-2" offset="0.3"/>'),
+    revolute("c", LIMIT.format(-9, 9, 9, 9) + '<mimic joint="b" multiplier="0.5" offset="-0.7"/>'),
+)
+
+
+def test_joints_that_mimic_have_their_ratio_and_their_offset_also_one_after_another():
+    """By hand: b = -2 a + 0.3, and c = b / 2 - 0.7 = -a - 0.55."""
+    robot = robot_from_urdf(FOLLOWERS, tool="l3")
+    model = pin.buildModelFromXML(FOLLOWERS)  # takes no notice of who mimics whom
+    data = model.createData()
+    for a in np.linspace(-1.9, 1.9, 7):
+        q = np.array([a, -2.0 * a + 0.3, -a - 0.55])
+        pin.framesForwardKinematics(model, data, q)
+        expected = data.oMf[model.getFrameId("l3")]
+        pose, jacobian = robot.tool(np.array([a]))
+        np.testing.assert_allclose(pose.position, expected.translation, atol=1e-12)
+        np.testing.assert_allclose(pose.rotation, expected.rotation, atol=1e-12)
+        full = pin.computeFrameJacobian(
+            model, data, q, model.getFrameId("l3"), pin.LOCAL_WORLD_ALIGNED
+        )
+        np.testing.assert_allclose(jacobian, full @ [[1.0], [-2.0], [-1.0]], atol=1e-12)
+
+
 def test_a_file_of_two_lines_is_a_robot_with_stated_defaults(tmp_path):
     config = load_robot(written(tmp_path))
     assert config.base is None

@@ -66,6 +66,20 @@ def mass_of(world: mujoco.MjModel, q: np.ndarray, team: Team) -> np.ndarray:
     return places.matrix.T @ full @ places.matrix
 
 
+def test_a_joint_that_mimics_stands_at_its_ratio_and_offset_in_the_world():
+    limit = '<limit lower="-2" upper="2" velocity="2" effort="30"/></joint><joint name="j2"'
+    follows = '<mimic joint="j0" multiplier="-0.5" offset="0.4"/>' + limit
+    team = one(urdf().replace(limit, follows), tool="l3")
+    (robot,) = team.robots
+    assert robot.joints == ("j0", "j2")
+    world, q = build_world(team), np.array([0.6, -0.3])
+    data = mujoco.MjData(world)
+    Coordinates(world, team).put(data, q)
+    assert [float(data.joint(f"r/{j}").qpos[0]) for j in ("j0", "j1", "j2")] == pytest.approx(
+        [0.6, 0.1, -0.3], abs=1e-12
+    )
+
+
 def test_shapes_of_all_kinds_touch_where_the_urdf_has_them(team):
     world = build_world(team)
     kinds = {world.geom(i).name.split("/")[-1]: world.geom(i) for i in range(world.ngeom)}
