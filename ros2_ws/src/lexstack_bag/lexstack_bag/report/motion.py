@@ -48,7 +48,7 @@ def poses(run: Run, time_series: TimeSeries, phases: Sequence[Phase], grid: Grid
             ]
     return Figure(
         "poses",
-        "Both end effectors and both bases, measured and desired",
+        "End effectors and bases, measured and desired",
         "Fig. 5 of the paper. Solid: measured pose; broken: the reference in effect. Base "
         "references hold at all times but bind only while the stack has a base task. Vertical "
         "lines mark the switches.",
