@@ -99,6 +99,8 @@ class Setup:
             cmake = ("-DBUILD_TESTING=OFF", f"-DPython3_EXECUTABLE={self._python}", "-Wno-dev")
             show = ("--event-handlers", "console_direct+")
             steps.run(*colcon, "--symlink-install", *show, "--cmake-args", *cmake, cwd=workspace)
+            library = workspace / "src/lexstack"
+            steps.run(self._python, "-m", "lexstack.hqp.kernel", cwd=library)
             script = environment.shell_script(ROOT, self._ros, f"python{VERSION}")
             (self._venv / "environment.sh").write_text(script)
         self._workspace.write()

@@ -157,7 +157,7 @@ class ScenarioConfig:
     sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
     streams: tuple[StreamConfig, ...] = ()  # of targets
     solvers: int = 1  # processes that solve for the controller, each for some of the robots
-    solver: str = "daqp"  # a key of lexstack.hqp.SOLVERS
+    solver: str = "kernel"  # a key of lexstack.hqp.SOLVERS
     mode: Mode = "lockstep"  # wait for every tick's answers, or follow the clock
     seed: int = 0  # of everything random
     extensions: tuple[_Module, ...] = ()  # Python modules that register methods, solvers, tasks

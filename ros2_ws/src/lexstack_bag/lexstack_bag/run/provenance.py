@@ -16,6 +16,7 @@ _PACKAGES = {
     "mujoco": "mujoco",
     "scipy": "scipy",
     "daqp": "daqp",
+    "numba": "numba",
     "proxsuite": "proxsuite",
     "casadi": "casadi",
     "pin": "pin",
