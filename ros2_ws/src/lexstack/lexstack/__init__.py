@@ -82,6 +82,7 @@ if TYPE_CHECKING:
     )
     from lexstack.robots import (
         BaseConfig,
+        DifferentialConfig,
         Kinematics,
         ObstacleConfig,
         Obstacles,
@@ -130,8 +131,8 @@ else:
             "Plan SequenceRunner SequenceTask Start CollisionScene",
             "references": "MotionLimits ReferenceSchedule References Spline Target Trajectory "
             "Twist Waypoints base_spline timed_waypoints",
-            "robots": "BaseConfig Kinematics ObstacleConfig Obstacles Pose RobotConfig "
-            "RobotModel Team mobile_manipulator robot_from_urdf",
+            "robots": "BaseConfig DifferentialConfig Kinematics ObstacleConfig Obstacles Pose "
+            "RobotConfig RobotModel Team mobile_manipulator robot_from_urdf",
             "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack "
             "register_task",
             "transition": "METHODS Announcement Phase SourceSample SourceSchedule "
@@ -154,6 +155,7 @@ __all__ = [
     "Command",
     "ConfigurationError",
     "Controller",
+    "DifferentialConfig",
     "ExactPlant",
     "HqpProblem",
     "HqpSolver",

@@ -5,21 +5,24 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
-    from lexstack.robots.assembly import BASE_JOINTS, build_base
+    from lexstack.robots.assembly import BASE_JOINTS, DRIVE, build_base
     from lexstack.robots.collision_geometry import Spheres
     from lexstack.robots.description import description_path, is_text, located, urdf_text
     from lexstack.robots.from_urdf import mobile_manipulator, robot_from_urdf
     from lexstack.robots.kinematics import Kinematics, Pose
     from lexstack.robots.obstacles import Obstacles
     from lexstack.robots.options import (
+        AnyBase,
         ArmConfig,
         BaseConfig,
+        DifferentialConfig,
         FrameConfig,
         ObstacleConfig,
         RobotConfig,
         SphereConfig,
         Vector3,
         WheelsConfig,
+        along_axes,
     )
     from lexstack.robots.robot import RobotModel
     from lexstack.robots.robot_file import ArmFile, RobotFile, completed
@@ -30,14 +33,14 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
-            "assembly": "BASE_JOINTS build_base",
+            "assembly": "BASE_JOINTS DRIVE build_base",
             "collision_geometry": "Spheres",
             "description": "description_path is_text located urdf_text",
             "from_urdf": "mobile_manipulator robot_from_urdf",
             "kinematics": "Kinematics Pose",
             "obstacles": "Obstacles",
-            "options": "ArmConfig BaseConfig FrameConfig ObstacleConfig "
-            "RobotConfig SphereConfig Vector3 WheelsConfig",
+            "options": "AnyBase ArmConfig BaseConfig DifferentialConfig FrameConfig ObstacleConfig "
+            "RobotConfig SphereConfig Vector3 WheelsConfig along_axes",
             "robot": "RobotModel",
             "robot_file": "ArmFile RobotFile completed",
             "spatial": "from_quaternion from_rpy log3 to_quaternion wrap",
@@ -48,9 +51,12 @@ else:
 
 __all__ = [
     "BASE_JOINTS",
+    "DRIVE",
+    "AnyBase",
     "ArmConfig",
     "ArmFile",
     "BaseConfig",
+    "DifferentialConfig",
     "FrameConfig",
     "Kinematics",
     "ObstacleConfig",
@@ -64,6 +70,7 @@ __all__ = [
     "Team",
     "Vector3",
     "WheelsConfig",
+    "along_axes",
     "build_base",
     "completed",
     "description_path",
