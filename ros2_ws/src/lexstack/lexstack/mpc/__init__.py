@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from lexstack.mpc.collision_cost import CollisionScene
     from lexstack.mpc.double_integrator import Horizon
     from lexstack.mpc.htmpc import Htmpc, Start
+    from lexstack.mpc.measures import COLUMNS, Kind, measure_of
     from lexstack.mpc.options import (
         DEFAULT_HTMPC,
         BarrierConfig,
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
     from lexstack.mpc.stage_kinematics import StageModel
     from lexstack.mpc.status import LevelStatus, Outcome
     from lexstack.mpc.symbolic import stage_function
-    from lexstack.mpc.tracking_objectives import MEASURES, Kind, Objective, Task
+    from lexstack.mpc.tracking_objectives import Objective, Task
 else:
     __getattr__ = on_demand(
         __name__,
@@ -43,6 +44,7 @@ else:
             "collision_cost": "CollisionScene",
             "double_integrator": "Horizon",
             "htmpc": "Htmpc Start",
+            "measures": "COLUMNS Kind measure_of",
             "options": "DEFAULT_HTMPC BarrierConfig CollisionConfig Constraint EffortConfig "
             "HtmpcConfig LineSearchConfig TaskWeightsConfig",
             "plan": "Plan",
@@ -56,15 +58,15 @@ else:
             "stage_kinematics": "StageModel",
             "status": "LevelStatus Outcome",
             "symbolic": "stage_function",
-            "tracking_objectives": "MEASURES Kind Objective Task",
+            "tracking_objectives": "Objective Task",
         },
     )
 
 __all__ = [
     "ARCHITECTURES",
+    "COLUMNS",
     "DEFAULT_HTMPC",
     "HT_ARCH",
-    "MEASURES",
     "ST_ARCH",
     "Architecture",
     "BarrierConfig",
@@ -99,6 +101,7 @@ __all__ = [
     "check_tasks",
     "ee_path",
     "hold",
+    "measure_of",
     "stage_function",
     "steps",
     "tasks_of",

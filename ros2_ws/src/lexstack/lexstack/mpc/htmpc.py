@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
-from lexstack.errors import InputError, ModelError
+from lexstack.errors import InputError
 from lexstack.mpc.barriers import LimitBarrier
 from lexstack.mpc.collision_cost import Collisions, CollisionScene
 from lexstack.mpc.double_integrator import Horizon
@@ -17,12 +18,14 @@ from lexstack.mpc.level_problem import Iterate, Program
 from lexstack.mpc.level_sqp import Level
 from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
 from lexstack.mpc.limited_qp import EMPTY, ActiveSet
+from lexstack.mpc.measures import Measure, Subject, measure_of
 from lexstack.mpc.options import HtmpcConfig
 from lexstack.mpc.plan import Plan
 from lexstack.mpc.stage_kinematics import StageModel
 from lexstack.mpc.status import LevelStatus, Outcome
 from lexstack.mpc.tracking_objectives import Objective, Task
 from lexstack.robots import RobotModel
+from lexstack.robots.assembly import TOOL
 from lexstack.types import Matrix, Vector
 
 
@@ -62,20 +65,19 @@ class Htmpc:
                 where the configuration says so; None: all.
 
         Raises:
-            ModelError: the robot has no base, or a joint or a sphere that cannot be.
+            ModelError: the robot has a joint or a sphere that cannot be.
         """
-        if not robot.has_base:
-            raise ModelError(f"robot {robot.name}: has no base, and the MPC needs one")
         chosen = tuple(range(len(robot.config.spheres))) if spheres is None else spheres
         limits = robot.limits
         self.config = config
         self.robot = robot
         self.horizon = Horizon(config.horizon, config.step)
-        self._model = StageModel(robot, config.horizon, ())
-        self._model_with_spheres = StageModel(robot, config.horizon, chosen)
+        self._spheres = chosen
+        self._models: dict[tuple[tuple[str, ...], bool], StageModel] = {}
         # The floor is there for a lone robot without obstacles, too.
-        self._floor = config.collision.ground and bool(self._model_with_spheres.lifted.any())
-        self._effort = Effort(config.effort, self.horizon, robot.n)
+        self._floor = config.collision.ground and bool(self._model((TOOL,), True).lifted.any())
+        self._model((TOOL,), self._floor)
+        self._effort = Effort(config.effort, self.horizon, robot.n, robot.arm.start)
         self._barrier = LimitBarrier(
             config.limits,
             (limits.position_lower, limits.position_upper),
@@ -104,8 +106,8 @@ class Htmpc:
         """
         begun = perf_counter()
         self._check(start, objectives)
-        tasks = [Task(objective, self.config, self.robot.n) for objective in objectives]
-        program = self.program(start, before, around)
+        tasks = [Task(objective, self.config, self.robot) for objective in objectives]
+        program = self.program(start, before, around, frames_of(tasks))
         iterate = program.iterate(self._guess(start, tasks, before, program))
         levels, active_sets, iterate = self._solve_levels(program, tasks, iterate, before)
         return Plan(
@@ -126,8 +128,30 @@ class Htmpc:
         Args:
             q: where it will be at the states 1 to N of the other one, shape (N, n).
         """
-        at = self._model_with_spheres.at(q)
-        return CollisionScene(at.centers, self._model_with_spheres.radii)
+        model = self._model((), True)
+        return CollisionScene(model.at(q).centers, model.radii)
+
+    def prepare(self, windows: Iterable[tuple[Subject, ...]]) -> None:
+        """Generate the kinematics that tasks will need together: 10 to 30 ms each, once.
+
+        Without it the first solve of a new set of frames takes so much longer.
+
+        Raises:
+            InputError: the robot has no such frame, joint or base.
+        """
+        for window in windows:
+            measures = [measure_of(subject, self.robot) for subject in window]
+            frames = frames_of(measures)
+            for spheres in {True, self._floor}:
+                self._model(frames, spheres)
+
+    def _model(self, frames: tuple[str, ...], spheres: bool) -> StageModel:
+        """Return the kinematics of some frames, with all chosen spheres or none."""
+        key = frames, spheres
+        if key not in self._models:
+            chosen = self._spheres if spheres else ()
+            self._models[key] = StageModel(self.robot, self.config.horizon, chosen, frames)
+        return self._models[key]
 
     def _solve_levels(
         self, program: Program, tasks: list[Task], iterate: Iterate, before: Plan | None
@@ -156,10 +180,14 @@ class Htmpc:
         return levels, tuple(active_sets), iterate
 
     def program(
-        self, start: Start, before: Plan | None = None, around: CollisionScene | None = None
+        self,
+        start: Start,
+        before: Plan | None = None,
+        around: CollisionScene | None = None,
+        frames: tuple[str, ...] = (TOOL,),
     ) -> Program:
-        """Return what all levels of a solve share; arguments as in ``solve``."""
-        model = self._model if around is None and not self._floor else self._model_with_spheres
+        """Return what all levels of a solve share, for tasks of ``frames``; see ``solve``."""
+        model = self._model(frames, self._floor or around is not None)
         previous = np.zeros(self.robot.n) if before is None else before.input_before(start.stamp)
         return Program(
             self.horizon,
@@ -189,13 +217,19 @@ class Htmpc:
 
     def _check(self, start: Start, objectives: tuple[Objective, ...]) -> None:
         """Raise InputError for a state that cannot be, or no task at all."""
-        for name, value in (("q", start.q), ("v", start.v)):
-            if value.shape != (self.robot.n,) or not np.isfinite(value).all():
+        robot = self.robot
+        for name, value, size in (("q", start.q, robot.nq), ("v", start.v, robot.n)):
+            if value.shape != (size,) or not np.isfinite(value).all():
                 raise InputError(
-                    f"htmpc: {name} of shape {value.shape}, expected {self.robot.n} finite numbers"
+                    f"htmpc: {name} of shape {value.shape}, expected {size} finite numbers"
                 )
         if not objectives:
             raise InputError("htmpc: at least one task is needed")
+
+
+def frames_of(tasks: Iterable[Task | Measure]) -> tuple[str, ...]:
+    """Return the frames of some tasks, each once, in the order of the alphabet."""
+    return tuple(sorted({task.frame for task in tasks if task.frame}))
 
 
 def _skipped(level: int, task: Task, iterate: Iterate) -> LevelStatus:

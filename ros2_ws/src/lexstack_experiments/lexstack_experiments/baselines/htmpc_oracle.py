@@ -81,7 +81,7 @@ class HtmpcOracle:
         """
         if tuple(objective.kind for objective in objectives) != self._kinds:
             raise InputError(f"oracle: made for {self._kinds}")
-        tasks = [Task(objective, self._config, self._robot.n) for objective in objectives]
+        tasks = [Task(objective, self._config, self._robot) for objective in objectives]
         parameters = parameters_of(start, objectives, around, self._config.horizon)
         levels: list[OracleLevel] = []
         bounds: list[Vector] = []

@@ -147,8 +147,6 @@ def wanted_of(
         known = ", ".join(team.names)
         raise InputError(f"robot: unknown {shown(goal.robot)}; known: {known}")
     robot = team.names.index(goal.robot)
-    if not team.robots[robot].has_base:
-        raise InputError(f"robot: {goal.robot} has no base, and the MPC needs one")
     architecture = goal.architecture or "ht"
     if architecture not in ARCHITECTURES:
         known = ", ".join(ARCHITECTURES)
@@ -165,14 +163,16 @@ def wanted_of(
     return Wanted(robot, tasks, architecture, at_tick, begin)
 
 
-def base_at(state: RobotState | None, part: slice) -> tuple[float, float, float] | None:
+def base_at(state: RobotState | None, team: Team, robot: int) -> tuple[float, float, float] | None:
     """Return where a robot's base stands [m, m, rad]; None where it moves, or is not known.
 
     Args:
         state: the newest one.
-        part: the robot's joints in it, its base first.
+        team: the robots.
+        robot: its place; one without a base stands where it is mounted.
     """
-    if state is None or np.abs(state.command[part][:3]).max() > _RESTS:
+    model, part = team.robots[robot], team.slices[robot]
+    if state is None or np.abs(state.command[part][model.base]).max(initial=0.0) > _RESTS:
         return None
-    x, y, yaw = map(float, state.q[part][:3])
+    x, y, yaw = map(float, model.base_pose(state.q[team.q_slices[robot]]))
     return x, y, yaw

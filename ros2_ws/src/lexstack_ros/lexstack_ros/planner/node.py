@@ -61,12 +61,10 @@ class HtmpcNode(Node):
         self._meter = Meter()
         self._failures = 0
         self._runners: dict[int, SequenceRunner] = {}
-        driving = {i: robot for i, robot in enumerate(self._team.robots) if robot.has_base}
-        self._reach = {i: Reach(robot, self._team.obstacles) for i, robot in driving.items()}
+        self._reach = [Reach(robot, self._team.obstacles) for robot in self._team.robots]
         named = {entry.robot for entry in scenario.sequences.values()}
         for robot in sorted(map(self._team.index, named or scenario.robots)):
-            if robot in driving:
-                self._runner(robot)
+            self._runner(robot)
         self._plan_out = self.create_publisher(JointTrajectory, PLAN, STREAM)
         self._status_out = self.create_publisher(SequenceStatus, "/htmpc/status", STREAM)
         self._sequence_out = self.create_publisher(Sequence, "/htmpc/sequence", LATCHED)
@@ -93,7 +91,7 @@ class HtmpcNode(Node):
         try:
             wanted = wanted_of(goal, self._team, self._state, self._every, self._horizon)
             self._follow_client.check(goal.robot)
-            base = base_at(self._state, self._team.slices[wanted.robot])
+            base = base_at(self._state, self._team, wanted.robot)
             self._reach[wanted.robot].check(wanted.tasks, wanted.architecture, base)
         except InputError as error:
             # The action's answer has no room for the reason.
@@ -150,7 +148,7 @@ class HtmpcNode(Node):
             raise InputError("no sequence is under way for this robot")
         runner = self._runners[robot]
         if change.kind == "retarget":
-            points = to_points(wish.poses, runner.task(change.name).kind, f"task {change.name!r}")
+            points = to_points(wish.task, runner.task(change.name).kind, f"task {change.name!r}")
             change = replace(change, points=points)
         self._check_change(robot, change)
         runner.change(change, state)

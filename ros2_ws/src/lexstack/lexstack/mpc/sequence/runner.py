@@ -98,7 +98,11 @@ class SequenceRunner:
         self, tasks: tuple[SequenceTask, ...], architecture: Architecture, state: RobotState
     ) -> None:
         """Begin a sequence at a state, in place of another one; raises InputError."""
-        self.sequence = Sequence.begin(tasks, architecture, self.pose(state))
+        for task in tasks:
+            task.check(self._model)
+        sequence = Sequence.begin(tasks, architecture, self.pose(state))
+        self._optimiser.prepare(sequence.windows)
+        self.sequence = sequence
         self._follows = state.stamp + self._blend
 
     def task(self, name: str) -> SequenceTask:
@@ -125,6 +129,9 @@ class SequenceRunner:
         sequence, pose = self.sequence, self.pose(state)
         if sequence is None:
             raise InputError("sequence: none is under way")
+        task = self.task_after(change)
+        if task is not None:
+            task.check(self._model)
         if change.kind == "release":
             self.sequence = sequence.release(change.name)
         elif change.kind == "cancel":
@@ -132,7 +139,9 @@ class SequenceRunner:
         elif change.kind == "retarget":
             self.sequence = sequence.retarget(change.name, change.points, pose)
         elif change.task is not None:
-            self.sequence = sequence.insert(_place(sequence, change.before), change.task, pose)
+            grown = sequence.insert(_place(sequence, change.before), change.task, pose)
+            self._optimiser.prepare(grown.windows)
+            self.sequence = grown
 
     def end(self) -> None:
         """Forget sequence and plan."""
@@ -162,7 +171,7 @@ class SequenceRunner:
         self._plan = plan if plan.solved else None
         now = np.array([state.stamp])
         tracking = tuple(
-            pose.errors(task.kind, trajectory.at(now)[0])[0]
+            pose.errors(task, trajectory.at(now)[0])[0]
             for task, trajectory in zip(sequence.window, sequence.trajectories, strict=True)
         )
         return Progress(sequence, plan, sequence.errors(pose), tracking)
@@ -202,6 +211,8 @@ def tasks_of(config: SequenceConfig) -> tuple[SequenceTask, ...]:
             task.tolerance_angle,
             task.dwell,
             task.held,
+            task.frame,
+            task.joints,
         )
         for task in config.tasks
     )
