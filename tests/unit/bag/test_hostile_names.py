@@ -77,7 +77,7 @@ def hostile_kind(maker):
                 ALL,
                 [ALL],
                 [pose],
-                [],
+                np.zeros(0),
                 0.0,
                 0.0,
                 0.02,

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         LineSearchConfig,
         TaskWeightsConfig,
     )
+    from lexstack.mpc.other_robots import OtherRobot
     from lexstack.mpc.plan import Plan
     from lexstack.mpc.sequence.options import SequenceConfig, SequenceTaskConfig
     from lexstack.mpc.sequence.reach import Reach
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
         Change,
         Progress,
         SequenceRunner,
+        plans_of,
         tasks_of,
     )
     from lexstack.mpc.sequence.sequence import HT_ARCH, ST_ARCH, Architecture, Sequence, check_tasks
@@ -47,11 +49,12 @@ else:
             "measures": "COLUMNS Kind measure_of",
             "options": "DEFAULT_HTMPC BarrierConfig CollisionConfig Constraint EffortConfig "
             "HtmpcConfig LineSearchConfig TaskWeightsConfig",
+            "other_robots": "OtherRobot",
             "plan": "Plan",
             "sequence.options": "SequenceConfig SequenceTaskConfig",
             "sequence.reach": "Reach",
             "sequence.robot_pose": "RobotPose",
-            "sequence.runner": "ARCHITECTURES Change Progress SequenceRunner tasks_of",
+            "sequence.runner": "ARCHITECTURES Change Progress SequenceRunner plans_of tasks_of",
             "sequence.sequence": "HT_ARCH ST_ARCH Architecture Sequence check_tasks",
             "sequence.task": "SequenceTask",
             "sequence.trajectory": "Trajectory base_path ee_path hold steps",
@@ -82,6 +85,7 @@ __all__ = [
     "LevelStatus",
     "LineSearchConfig",
     "Objective",
+    "OtherRobot",
     "Outcome",
     "Plan",
     "Progress",
@@ -102,6 +106,7 @@ __all__ = [
     "ee_path",
     "hold",
     "measure_of",
+    "plans_of",
     "stage_function",
     "steps",
     "tasks_of",

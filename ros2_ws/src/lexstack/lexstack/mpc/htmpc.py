@@ -20,6 +20,7 @@ from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
 from lexstack.mpc.limited_qp import EMPTY, ActiveSet
 from lexstack.mpc.measures import Measure, Subject, measure_of
 from lexstack.mpc.options import HtmpcConfig
+from lexstack.mpc.other_robots import OtherRobot, scene_of
 from lexstack.mpc.plan import Plan
 from lexstack.mpc.stage_kinematics import StageModel
 from lexstack.mpc.status import LevelStatus, Outcome
@@ -92,6 +93,7 @@ class Htmpc:
         objectives: tuple[Objective, ...],
         before: Plan | None = None,
         around: CollisionScene | None = None,
+        others: Iterable[OtherRobot] = (),
     ) -> Plan:
         """Return the plan from a state.
 
@@ -100,6 +102,7 @@ class Htmpc:
             objectives: the tasks of the window, highest first.
             before: the plan that was in force until now: first guess and u_{-1}.
             around: what is in the way beside the floor; None: nothing.
+            others: other robots, which are avoided where they will be.
 
         Raises:
             InputError: a shape or value that is wrong; what a solver does is in the status.
@@ -107,6 +110,9 @@ class Htmpc:
         begun = perf_counter()
         self._check(start, objectives)
         tasks = [Task(objective, self.config, self.robot) for objective in objectives]
+        scene = scene_of(others, start.stamp, start.stamp + self.horizon.times[1:])
+        if scene is not None:
+            around = scene if around is None else around.joined(scene)
         program = self.program(start, before, around, frames_of(tasks))
         iterate = program.iterate(self._guess(start, tasks, before, program))
         levels, active_sets, iterate = self._solve_levels(program, tasks, iterate, before)

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
 from lexstack.errors import InputError
-from lexstack.mpc import ARCHITECTURES, Change, Reach, SequenceRunner
+from lexstack.mpc import ARCHITECTURES, Change, Reach, SequenceRunner, plans_of
 from lexstack.tasks import plan_stack
 from lexstack.transition import MAX_SCHEDULED, too_far
 from lexstack.types import RobotState
@@ -202,7 +202,7 @@ class HtmpcNode(Node):
             runner.begin(job.tasks, ARCHITECTURES[job.architecture], state)
             job.stage = Stage.RUNNING
             self._announce(job.robot, event)
-        progress = runner.step(state)
+        progress = runner.step(state, plans_of(self._runners))
         self._plan_out.publish(plan_message(progress.plan, joint_names(self._team, job.robot)))
         status = status_message(progress, state, name, job.architecture)
         self._status_out.publish(status)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -11,6 +13,7 @@ from lexstack.errors import InputError
 from lexstack.mpc.collision_cost import CollisionScene
 from lexstack.mpc.htmpc import Htmpc, Start
 from lexstack.mpc.options import HtmpcConfig
+from lexstack.mpc.other_robots import OtherRobot
 from lexstack.mpc.plan import Plan
 from lexstack.mpc.sequence.options import SequenceConfig
 from lexstack.mpc.sequence.robot_pose import RobotPose
@@ -20,6 +23,7 @@ from lexstack.robots import Team
 from lexstack.types import RobotState, Vector
 
 _ROUNDING = 1e-9  # s
+_NO_PLANS: Mapping[int, Plan] = MappingProxyType({})
 
 ARCHITECTURES: dict[str, Architecture] = {"ht": HT_ARCH, "st": ST_ARCH}
 """By the names that goals and files use."""
@@ -67,6 +71,8 @@ class SequenceRunner:
     Attributes:
         robot: its place in the team.
         sequence: under way, or None.
+        plan: the newest one, if it was solved: what other robots must keep off, and the first
+            guess of the next one.
     """
 
     def __init__(self, team: Team, robot: int, config: HtmpcConfig, blend: float = 0.0) -> None:
@@ -83,16 +89,16 @@ class SequenceRunner:
         self.sequence: Sequence | None = None
         self._team = team
         self._model = team.robots[robot]
-        self._columns = team.slices[robot]
+        self._columns, self._places = team.slices[robot], team.q_slices[robot]
         self._others = [i for i in range(len(team.robots)) if i != robot]
         self._optimiser = Htmpc(self._model, config)
-        self._plan: Plan | None = None
+        self.plan: Plan | None = None
         self._blend = blend
         self._follows = 0.0  # s, the time from which on the controller follows exactly
 
     def pose(self, state: RobotState) -> RobotPose:
         """Return where the robot is."""
-        return RobotPose.of(self._model, state.stamp, state.q[self._columns])
+        return RobotPose.of(self._model, state.stamp, state.q[self._places])
 
     def begin(
         self, tasks: tuple[SequenceTask, ...], architecture: Architecture, state: RobotState
@@ -146,10 +152,16 @@ class SequenceRunner:
     def end(self) -> None:
         """Forget sequence and plan."""
         self.sequence = None
-        self._plan = None
+        self.plan = None
 
-    def step(self, state: RobotState) -> Progress:
+    def step(self, state: RobotState, plans: Mapping[int, Plan] = _NO_PLANS) -> Progress:
         """Return plan and progress at a state.
+
+        Args:
+            state: measured.
+            plans: that robots follow, by their places; one's own does not count. With
+                ``predict_others`` they are avoided along these plans, and robots without one as if
+                they braked now; otherwise where they stand.
 
         Poses are the measured ones. The velocity is the command in force, which the controller
         changes within its limits from tick to tick: the plan goes on from there. While the
@@ -165,10 +177,15 @@ class SequenceRunner:
         pose = self.pose(state)
         sequence = self.sequence = self.sequence.advanced(pose)
         times = state.stamp + self._optimiser.horizon.times[1:]
-        start = Start(state.stamp, state.q[self._columns], self._velocity(state))
-        around = self._collision_scene(state, times)
-        plan = self._optimiser.solve(start, sequence.objectives(times), self._plan, around)
-        self._plan = plan if plan.solved else None
+        start = Start(state.stamp, state.q[self._places], self._velocity(state))
+        plan = self._optimiser.solve(
+            start,
+            sequence.objectives(times),
+            self.plan,
+            self._collision_scene(state, times),
+            self._predicted(state, plans),
+        )
+        self.plan = plan if plan.solved else None
         now = np.array([state.stamp])
         tracking = tuple(
             pose.errors(task, trajectory.at(now)[0])[0]
@@ -178,15 +195,19 @@ class SequenceRunner:
 
     def _velocity(self, state: RobotState) -> Vector:
         """Return the velocity that a plan begins with, shape (n of the robot,)."""
-        before = self._plan
+        before = self.plan
         if before is None or not state.stamp < min(self._follows - _ROUNDING, before.end):
             return state.command[self._columns]
         return before.sample(state.stamp)[1]
 
     def _collision_scene(self, state: RobotState, times: Vector) -> CollisionScene | None:
-        """Return obstacles where they will be, and the other robots' spheres where they are."""
+        """Return obstacles where they will be, and other robots where they stand.
+
+        The latter only where they are not predicted.
+        """
         obstacles = self._team.obstacles
-        spheres = self._team.spheres(state.q) if self._others else None
+        frozen = bool(self._others) and not self._optimiser.config.predict_others
+        spheres = self._team.spheres(state.q) if frozen else None
         theirs = np.zeros(0, dtype=bool) if spheres is None else spheres.owners != self.robot
         if not len(obstacles) and not theirs.any():
             return None
@@ -196,6 +217,26 @@ class SequenceRunner:
             return found
         still = np.broadcast_to(spheres.centers[theirs], (len(times), int(theirs.sum()), 3))
         return found.joined(CollisionScene(still, spheres.radii[theirs]))
+
+    def _predicted(self, state: RobotState, plans: Mapping[int, Plan]) -> list[OtherRobot]:
+        """Return the other robots that are avoided where they will be."""
+        if not self._optimiser.config.predict_others:
+            return []
+        team = self._team
+        return [
+            OtherRobot(
+                team.robots[i],
+                state.q[team.q_slices[i]],
+                state.command[team.slices[i]],
+                plans.get(i),
+            )
+            for i in self._others
+        ]
+
+
+def plans_of(runners: Mapping[int, SequenceRunner]) -> dict[int, Plan]:
+    """Return the plans that robots follow now, by their places in the team."""
+    return {robot: one.plan for robot, one in runners.items() if one.plan is not None}
 
 
 def tasks_of(config: SequenceConfig) -> tuple[SequenceTask, ...]:
