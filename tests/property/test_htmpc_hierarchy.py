@@ -135,7 +135,7 @@ def test_a_guard_lets_pass_what_it_was_made_from_and_no_worse(seed, delta, kind)
     objective = random_objectives(rng, random_start(rng), solver)[0]
     task = Task(objective, solver.config, solver.robot)
     best = rng.normal(0.0, 0.1, (10, 3))
-    constraint = LexicographicConstraint(0, task, best, kind, solver.horizon)
+    constraint = LexicographicConstraint(0, task, best, kind)
     assert constraint.excess(best)[0] <= 0.0
     assert constraint.excess(0.5 * best)[0] <= 0.0
     worse = best + np.sign(best) * (delta + 1e-3) * 6.0

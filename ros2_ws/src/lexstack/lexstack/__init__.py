@@ -83,6 +83,7 @@ if TYPE_CHECKING:
     )
     from lexstack.robots import (
         BaseConfig,
+        DifferentialConfig,
         Kinematics,
         ObstacleConfig,
         Obstacles,
@@ -131,8 +132,8 @@ else:
             "Plan SequenceRunner SequenceTask Start CollisionScene",
             "references": "MotionLimits ReferenceSchedule References Spline Target Trajectory "
             "Twist Waypoints base_spline timed_waypoints",
-            "robots": "BaseConfig Kinematics ObstacleConfig Obstacles Pose RobotConfig "
-            "RobotModel Team mobile_manipulator robot_from_urdf",
+            "robots": "BaseConfig DifferentialConfig Kinematics ObstacleConfig Obstacles Pose "
+            "RobotConfig RobotModel Team mobile_manipulator robot_from_urdf",
             "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack "
             "register_task",
             "transition": "METHODS Announcement Phase SourceSample SourceSchedule "
@@ -155,6 +156,7 @@ __all__ = [
     "Command",
     "ConfigurationError",
     "Controller",
+    "DifferentialConfig",
     "ExactPlant",
     "HqpProblem",
     "HqpSolver",

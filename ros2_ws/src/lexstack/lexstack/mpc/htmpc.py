@@ -25,6 +25,7 @@ from lexstack.mpc.plan import Plan
 from lexstack.mpc.stage_kinematics import StageModel
 from lexstack.mpc.status import LevelStatus, Outcome
 from lexstack.mpc.tracking_objectives import Objective, Task
+from lexstack.mpc.unicycle_horizon import UnicycleHorizon
 from lexstack.robots import RobotModel
 from lexstack.robots.assembly import TOOL
 from lexstack.types import Matrix, Vector
@@ -36,8 +37,8 @@ class Start:
 
     Attributes:
         stamp: s.
-        q: shape (n,), m and rad.
-        v: shape (n,), m/s and rad/s, base in the world frame.
+        q: shape (n_q,), m and rad.
+        v: shape (n,), m/s and rad/s; of a holonomic base in the world frame.
     """
 
     stamp: float
@@ -72,7 +73,8 @@ class Htmpc:
         limits = robot.limits
         self.config = config
         self.robot = robot
-        self.horizon = Horizon(config.horizon, config.step)
+        horizon = UnicycleHorizon if robot.differential else Horizon
+        self.horizon = horizon(config.horizon, config.step)
         self._spheres = chosen
         self._models: dict[tuple[tuple[str, ...], bool], StageModel] = {}
         # The floor is there for a lone robot without obstacles, too.
@@ -180,9 +182,7 @@ class Htmpc:
             active_sets.append(level.active_set)
             levels.append(status)
             best = task.error(iterate.at)
-            constraints.append(
-                LexicographicConstraint(i, task, best, self.config.lexicographic, self.horizon)
-            )
+            constraints.append(LexicographicConstraint(i, task, best, self.config.lexicographic))
         return levels, tuple(active_sets), iterate
 
     def program(
@@ -193,15 +193,15 @@ class Htmpc:
         frames: tuple[str, ...] = (TOOL,),
     ) -> Program:
         """Return what all levels of a solve share, for tasks of ``frames``; see ``solve``."""
-        model = self._model(frames, self._floor or around is not None)
-        previous = np.zeros(self.robot.n) if before is None else before.input_before(start.stamp)
+        robot, model = self.robot, self._model(frames, self._floor or around is not None)
+        previous = np.zeros(robot.n) if before is None else before.input_before(start.stamp)
         return Program(
             self.horizon,
             model,
             self._effort,
             self._barrier,
             collisions=Collisions(self.config.collision, model, around),
-            hard=None if self._hard is None else self._hard.at(start.q, start.v),
+            hard=None if self._hard is None else self._hard.at(start.q[-robot.n :], start.v),
             start=(start.q, start.v, previous),
         )
 

@@ -103,7 +103,6 @@ def joint_indices(subject: Subject, robot: RobotModel) -> list[int]:
     Raises:
         InputError: the robot has no such joint, or it is one of a base, or stands twice.
     """
-    first = robot.nq - len(robot.config.arm.joints)
     names = robot.config.arm.joints
     for i, joint in enumerate(subject.joints):
         if joint not in names:
@@ -114,7 +113,7 @@ def joint_indices(subject: Subject, robot: RobotModel) -> list[int]:
             )
         if joint in subject.joints[:i]:
             raise InputError(f"task {subject.name}: joints[{i}]: {joint!r} stands twice")
-    return [first + names.index(joint) for joint in subject.joints or names]
+    return [robot.arm_q.start + names.index(joint) for joint in subject.joints or names]
 
 
 def _position(frame: str) -> Measure:
@@ -191,7 +190,7 @@ def _base_pose(coordinates: int) -> Measure:
 
 def _joints(places: list[int], robot: RobotModel) -> Measure:
     """Return q - r of some joints; a joint without limits has an unwrapped angle, shape (N, s)."""
-    slides = np.array(robot.prismatic)[np.array(places) - (robot.nq - robot.n)]
+    slides = np.array(robot.sliding)[places]
     jacobian = np.eye(robot.nq)[places]
     return Measure(
         slides,

@@ -5,15 +5,17 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
-    from lexstack.robots.assembly import BASE_JOINTS, TOOL, build_base
+    from lexstack.robots.assembly import BASE_JOINTS, DRIVE, TOOL, build_base
     from lexstack.robots.collision_geometry import Spheres
     from lexstack.robots.description import description_path, is_text, located, urdf_text
     from lexstack.robots.from_urdf import mobile_manipulator, robot_from_urdf
     from lexstack.robots.kinematics import Kinematics, Pose
     from lexstack.robots.obstacles import Obstacles
     from lexstack.robots.options import (
+        AnyBase,
         ArmConfig,
         BaseConfig,
+        DifferentialConfig,
         FrameConfig,
         ObstacleConfig,
         RobotConfig,
@@ -30,13 +32,13 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
-            "assembly": "BASE_JOINTS TOOL build_base",
+            "assembly": "BASE_JOINTS DRIVE TOOL build_base",
             "collision_geometry": "Spheres",
             "description": "description_path is_text located urdf_text",
             "from_urdf": "mobile_manipulator robot_from_urdf",
             "kinematics": "Kinematics Pose",
             "obstacles": "Obstacles",
-            "options": "ArmConfig BaseConfig FrameConfig ObstacleConfig "
+            "options": "AnyBase ArmConfig BaseConfig DifferentialConfig FrameConfig ObstacleConfig "
             "RobotConfig SphereConfig Vector3 WheelsConfig",
             "robot": "RobotModel",
             "robot_file": "ArmFile RobotFile completed",
@@ -48,10 +50,13 @@ else:
 
 __all__ = [
     "BASE_JOINTS",
+    "DRIVE",
     "TOOL",
+    "AnyBase",
     "ArmConfig",
     "ArmFile",
     "BaseConfig",
+    "DifferentialConfig",
     "FrameConfig",
     "Kinematics",
     "ObstacleConfig",

@@ -42,8 +42,8 @@ class Posture:
         self.robots = (robot,)
         model = team.robots[robot]
         self._target = posture_target(model, parameters, where)
-        start = team.slices[robot].stop - len(self._target)
-        self._columns = slice(start, team.slices[robot].stop)
+        start, end = team.slices[robot].stop - len(self._target), team.q_slices[robot].stop
+        self._place = slice(end - len(self._target), end)
         self._matrix = np.eye(len(self._target), team.n, start)
         self._kept: list[int] | None = None
         if parameters.joints:
@@ -67,7 +67,7 @@ class Posture:
         """Return one row per arm joint that is kept [rad/s], times the root of its weight."""
         motion = references.motion
         target = motion.postures.get(self.robots[0], self._target)
-        error = target - kinematics.state.q_star[self._columns]
+        error = target - kinematics.state.q_star[self._place]
         feed = motion.posture_rates.get(self.robots[0])
         if self._kept is not None:
             error, feed = error[self._kept], None if feed is None else feed[self._kept]

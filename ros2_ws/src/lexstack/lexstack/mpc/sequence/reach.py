@@ -93,13 +93,12 @@ class Reach:
     def _outside(self, task: SequenceTask, goal: Vector) -> str:
         """Return which joint's goal is beyond its limits by more than the tolerance, or ''."""
         places = joint_indices(task, self._robot)
-        first = self._robot.nq - self._robot.n
         for place, value in zip(places, goal, strict=True):
-            slides = self._robot.prismatic[place - first]
+            slides = self._robot.sliding[place]
             allowed = task.tolerance if slides else task.tolerance_angle
             lower, upper = self._search.lower[place], self._search.upper[place]
             if not lower - allowed < value < upper + allowed:
-                name = self._robot.joints[place - first]
+                name = self._robot.coordinates[place]
                 return f"{name}: {value:g} is outside its limits [{lower:g}, {upper:g}]"
         return ""
 

@@ -49,13 +49,13 @@ class ReachSearch:
         """Draw the configurations that it begins at."""
         self._robot = robot
         limits, home = robot.limits, robot.home((0.0, 0.0, 0.0))
-        self._base = slice(0, robot.nq - len(robot.config.arm.joints))  # in q
+        self._base = robot.base_q
         free = np.full(self._base.stop, np.inf)
         self.lower = np.concatenate((-free, limits.position_lower[robot.arm]))
         self.upper = np.concatenate((free, limits.position_upper[robot.arm]))
         # Seeded: the same goal gets the same answer in every process and run.
         # A joint without limits is drawn from one turn.
-        arm = slice(self._base.stop, None)
+        arm = robot.arm_q
         least = np.where(np.isfinite(self.lower), self.lower, -np.pi)[arm]
         most = np.where(np.isfinite(self.upper), self.upper, np.pi)[arm]
         drawn = np.random.default_rng(0).uniform(least, most, (_STARTS - 1, len(least)))
@@ -121,4 +121,7 @@ class ReachSearch:
         if goal.rows.stop > 3:
             turn = log3(pose.rotation @ goal.pose.rotation.T)
             error = np.concatenate((error, turn))
+        if self._robot.differential:
+            # By q: x and y move all of the robot, and what follows is as in chi.
+            jacobian = np.hstack((np.eye(6, 2), jacobian[:, 1:]))
         return error[goal.rows], jacobian[goal.rows]

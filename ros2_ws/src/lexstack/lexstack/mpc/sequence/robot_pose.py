@@ -87,8 +87,7 @@ class RobotPose:
     def slides(self, subject: Subject) -> NDArray[np.bool_]:
         """Return whether each joint of a task slides, shape (s,)."""
         robot, _ = self._whole("joints")
-        places = np.array(joint_indices(subject, robot)) - (robot.nq - robot.n)
-        return np.asarray(np.array(robot.prismatic, dtype=bool)[places])
+        return np.asarray(np.array(robot.sliding, dtype=bool)[joint_indices(subject, robot)])
 
     def _whole(self, what: str) -> tuple[RobotModel, Vector]:
         """Return robot and configuration; raises InputError for a pose that has neither."""
