@@ -26,6 +26,7 @@ from lexstack.mpc.stage_kinematics import StageModel
 from lexstack.mpc.status import LevelStatus, Outcome
 from lexstack.mpc.tracking_objectives import Objective, Task
 from lexstack.mpc.unicycle_horizon import UnicycleHorizon
+from lexstack.mpc.unicycle_lead import UnicycleLead
 from lexstack.robots import RobotModel
 from lexstack.robots.assembly import TOOL
 from lexstack.types import Matrix, Vector
@@ -75,6 +76,7 @@ class Htmpc:
         self.robot = robot
         horizon = UnicycleHorizon if robot.differential else Horizon
         self.horizon = horizon(config.horizon, config.step)
+        self._lead = UnicycleLead(robot, config.step) if robot.differential else None
         self._spheres = chosen
         self._models: dict[tuple[tuple[str, ...], bool], StageModel] = {}
         # The floor is there for a lone robot without obstacles, too.
@@ -111,12 +113,16 @@ class Htmpc:
         """
         begun = perf_counter()
         self._check(start, objectives)
-        tasks = [Task(objective, self.config, self.robot) for objective in objectives]
+        state = start.q, start.v
+        tasks = [
+            Task(objective, self.config, self.robot, self._lead, state) for objective in objectives
+        ]
         scene = scene_of(others, start.stamp, start.stamp + self.horizon.times[1:])
         if scene is not None:
             around = scene if around is None else around.joined(scene)
         program = self.program(start, before, around, frames_of(tasks))
         iterate = program.iterate(self._guess(start, tasks, before, program))
+        iterate = _led(program, tasks[0], iterate)
         levels, active_sets, iterate = self._solve_levels(program, tasks, iterate, before)
         return Plan(
             stamp=start.stamp,
@@ -231,6 +237,19 @@ class Htmpc:
                 )
         if not objectives:
             raise InputError("htmpc: at least one task is needed")
+
+
+def _led(program: Program, task: Task, iterate: Iterate) -> Iterate:
+    """Return the first iterate, or one with the motion that leads a base, if that costs less.
+
+    At rest beside its goal a differential base would otherwise have no descent.
+    """
+    if task.inputs is None:
+        return iterate
+    u = iterate.u.copy()
+    u[:, : task.inputs.shape[1]] = task.inputs
+    other = program.iterate(u if program.hard is None else program.hard.repaired(u))
+    return other if program.cost(other, task) < program.cost(iterate, task) else iterate
 
 
 def frames_of(tasks: Iterable[Task | Measure]) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -12,6 +12,7 @@ from lexstack.errors import InputError
 from lexstack.mpc.measures import Kind, Measure, measure_of
 from lexstack.mpc.options import HtmpcConfig, TaskWeightsConfig
 from lexstack.mpc.stage_kinematics import StageKinematics
+from lexstack.mpc.unicycle_lead import UnicycleLead
 from lexstack.robots import RobotModel
 from lexstack.robots.assembly import TOOL
 from lexstack.types import Matrix, Vector
@@ -50,13 +51,31 @@ class Task:
     Attributes:
         objective: what it was made from.
         weights: Q at the states 1 to N - 1 and P at N, on the diagonal, shape (N, s).
-        tolerance: delta of H(13) per row, shape (s,), m and rad.
+        tolerance: delta of H(13) per row, shape (s,), m and rad; inf: the row binds no level below.
         moving: 1 where the level may use a joint, else 0, shape (n,); None: everywhere 1.
         frame: which the kinematics must have; empty: none.
+        inputs: (v', w') of a base that is led, at the stages, shape (N, 2): a first guess; or None.
     """
 
-    def __init__(self, objective: Objective, config: HtmpcConfig, robot: RobotModel) -> None:
-        """Check it; raises InputError for a reference or name that does not fit the robot."""
+    def __init__(
+        self,
+        objective: Objective,
+        config: HtmpcConfig,
+        robot: RobotModel,
+        lead: UnicycleLead | None = None,
+        state: tuple[Vector, Vector] | None = None,
+    ) -> None:
+        """Check it; raises InputError for a reference or name that does not fit the robot.
+
+        Args:
+            objective: what it is made from.
+            config: parameters of the MPC.
+            robot: whose task.
+            lead: of a differential base: a task of the base then follows what leads to its
+                reference, from the ``state``. The yaw of that motion is weighed also where only
+                the position is asked for, but levels below may change it.
+            state: the measured q and v.
+        """
         self.objective = objective
         self._measure = measure = measure_of(objective, robot)
         expected = (config.horizon, measure.columns)
@@ -65,11 +84,18 @@ class Task:
                 f"task {objective.name}: reference of shape {objective.reference.shape}, "
                 f"expected finite numbers of shape {expected}"
             )
+        self.inputs: Matrix | None = None
+        self._reference = objective.reference
+        if lead is not None and state is not None and objective.kind.startswith("base"):
+            self._reference, self.inputs = lead.motion(*state, objective.reference)
+            as_pose = replace(objective, kind="base_pose", reference=self._reference)
+            self._measure = measure = measure_of(as_pose, robot)
         self.frame = measure.frame
         weights = weights_of(objective.kind, config)
         self.weights = _weights(weights, measure, config.horizon)
         lengths = measure.lengths
         self.tolerance: Vector = np.where(lengths, weights.tolerance, weights.tolerance_angle)
+        self.tolerance[expected[1] :] = np.inf  # rows that only guide
         self.moving = _moving(objective.moves, robot)
 
     def error(self, at: StageKinematics) -> Matrix:
@@ -83,7 +109,7 @@ class Task:
     def _found(self, at: StageKinematics) -> tuple[Matrix, float]:
         """Return error and cost; levels and their constraints ask for them again and again."""
         if self not in at.found:
-            error = self._measure.error(at, self.objective.reference)
+            error = self._measure.error(at, self._reference)
             error.setflags(write=False)
             at.found[self] = error, self.cost(error)
         found: tuple[Matrix, float] = at.found[self]
@@ -91,7 +117,7 @@ class Task:
 
     def jacobian(self, at: StageKinematics) -> Array:
         """Return de/dq, shape (N, s, n)."""
-        jacobian = self._measure.jacobian(at, self.objective.reference)
+        jacobian = self._measure.jacobian(at, self._reference)
         if jacobian.ndim == 2:
             jacobian = np.broadcast_to(jacobian, (len(at.q), *jacobian.shape))
         return jacobian
@@ -108,7 +134,7 @@ class Task:
     def stage_tolerance(self) -> Vector:
         """The cost of an error whose norm is the tolerance, at each state, shape (N,)."""
         lengths = self._measure.lengths
-        share = np.square(self.tolerance)
+        share = np.where(np.isinf(self.tolerance), 0.0, np.square(self.tolerance))
         for rows in (lengths, ~lengths):
             share[rows] /= max(1, int(rows.sum()))
         return np.asarray(0.5 * self.weights @ share)

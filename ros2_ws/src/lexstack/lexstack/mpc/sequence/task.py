@@ -12,6 +12,7 @@ from lexstack.mpc.sequence.robot_pose import RobotPose
 from lexstack.mpc.sequence.trajectory import (
     Trajectory,
     base_path,
+    drive_path,
     ee_path,
     hold,
     joint_path,
@@ -103,6 +104,10 @@ class SequenceTask:
             return joint_path(pose.stamp, through, pose.slides(self), speed, turn)
         if self.kind == "ee_orientation":
             return orientation_path(pose.stamp, through, turn)
+        robot = pose.robot
+        if robot is not None and robot.differential and self.kind.startswith("base"):
+            turn = min(turn, 0.5 * float(robot.limits.velocity[1]))
+            return drive_path(pose.stamp, pose.base, np.array(self.points), speed, turn)
         path = base_path if self.kind.startswith("base") else ee_path
         return path(pose.stamp, through, speed, turn)
 

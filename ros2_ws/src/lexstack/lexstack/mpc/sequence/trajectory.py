@@ -109,6 +109,38 @@ def ee_path(begin: float, points: Matrix, speed: float, turn: float = np.inf) ->
     return _timed(begin, values, 3, turns, (speed, turn))
 
 
+def drive_path(begin: float, pose: Vector, points: Matrix, speed: float, turn: float) -> Trajectory:
+    """Return the way of a differential base: it turns, drives along a line, and so on.
+
+    It drives backwards to a point that is behind it. At the end of poses it turns to their yaw.
+
+    Args:
+        begin: when it leaves [s].
+        pose: where it is: x, y, yaw.
+        points: that it goes through, poses (m, 3) or positions (m, 2).
+        speed: along the lines [m/s], positive.
+        turn: rad/s, positive.
+    """
+    values = _points(points, (2, 3))
+    ways = [np.array(pose, dtype=np.float64)]
+    for point in values:
+        x, y, yaw = ways[-1]
+        gap = point[:2] - ways[-1][:2]
+        if np.linalg.norm(gap) > _ROUNDING:
+            heading = _nearest(np.arctan2(gap[1], gap[0]), yaw, np.pi)
+            ways += [np.array([x, y, heading]), np.array([*point[:2], heading])]
+        if len(point) > 2:
+            ways.append(np.array([*point[:2], _nearest(point[2], ways[-1][2], 2.0 * np.pi)]))
+    every = np.array(ways)
+    turns = np.abs(np.diff(every[:, 2]))
+    return _timed(begin, every[:, : values.shape[1]], 2, turns, (speed, turn))
+
+
+def _nearest(angle: float, to: float, period: float) -> float:
+    """Return the angle that differs by whole periods and is nearest to another one [rad]."""
+    return float(angle + period * np.round((to - angle) / period))
+
+
 def orientation_path(begin: float, points: Matrix, turn: float) -> Trajectory:
     """Return turns about fixed axes through quaternions x, y, z, w, shape (m, 4).
 
