@@ -13,7 +13,8 @@ from lexstack import mpc as core
 from lexstack.errors import InputError
 from lexstack.mpc import COLUMNS, Plan, Progress, SequenceTask
 from lexstack.options import shown
-from lexstack.robots import TOOL, Team, from_rpy, to_quaternion
+from lexstack.robots import BASE_JOINTS, DRIVE, TOOL, Team, from_rpy, to_quaternion
+from lexstack.robots.team import NO_POSITION
 from lexstack.transition import HeardPlan
 from lexstack.types import RobotState
 from lexstack_interfaces.msg import Sequence, SequenceStatus
@@ -34,14 +35,21 @@ def joint_names(team: Team, robot: int) -> list[str]:
 
 
 def plan_message(plan: Plan, names: list[str]) -> JointTrajectory:
-    """Return a plan as a message: states 0 to N, with the input that begins at each."""
+    """Return a plan as a message: states 0 to N, with the input that begins at each.
+
+    Joints without a position, v and w of a differential base, have 0 for one.
+    """
     message = stamped(JointTrajectory(joint_names=names), plan.stamp)
     inputs = np.concatenate((plan.u, np.zeros((1, plan.u.shape[1]))))
+    positions = plan.q
+    if plan.q.shape[1] != plan.v.shape[1]:
+        without = np.full((len(plan.q), len(DRIVE)), NO_POSITION)
+        positions = np.concatenate((without, plan.q[:, len(BASE_JOINTS) :]), axis=1)
     for k in range(len(plan.q)):
         nanoseconds = round(1e9 * k * plan.step)
         message.points.append(
             JointTrajectoryPoint(
-                positions=to_array(plan.q[k]),
+                positions=to_array(positions[k]),
                 velocities=to_array(plan.v[k]),
                 accelerations=to_array(inputs[k]),
                 time_from_start=Duration(sec=nanoseconds // 10**9, nanosec=nanoseconds % 10**9),

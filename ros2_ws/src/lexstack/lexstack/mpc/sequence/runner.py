@@ -89,7 +89,7 @@ class SequenceRunner:
         self.sequence: Sequence | None = None
         self._team = team
         self._model = team.robots[robot]
-        self._columns, self._places = team.slices[robot], team.q_slices[robot]
+        self._columns, self._place = team.slices[robot], team.q_slices[robot]
         self._others = [i for i in range(len(team.robots)) if i != robot]
         self._optimiser = Htmpc(self._model, config)
         self.plan: Plan | None = None
@@ -98,7 +98,7 @@ class SequenceRunner:
 
     def pose(self, state: RobotState) -> RobotPose:
         """Return where the robot is."""
-        return RobotPose.of(self._model, state.stamp, state.q[self._places])
+        return RobotPose.of(self._model, state.stamp, state.q[self._place])
 
     def begin(
         self, tasks: tuple[SequenceTask, ...], architecture: Architecture, state: RobotState
@@ -177,7 +177,7 @@ class SequenceRunner:
         pose = self.pose(state)
         sequence = self.sequence = self.sequence.advanced(pose)
         times = state.stamp + self._optimiser.horizon.times[1:]
-        start = Start(state.stamp, state.q[self._places], self._velocity(state))
+        start = Start(state.stamp, state.q[self._place], self._velocity(state))
         plan = self._optimiser.solve(
             start,
             sequence.objectives(times),
