@@ -44,6 +44,15 @@ def test_a_plan_is_sampled_as_its_message_says():
     assert heard.at(1.01) is None
 
 
+def test_a_plan_of_a_differential_base_has_positions_of_its_arm_alone():
+    u = np.zeros((2, 4))
+    q = np.arange(15.0).reshape(3, 5)
+    plan = Plan(0.0, 0.1, q, np.ones((3, 4)), u, (), (), (), 0.0)
+    told = plan_message(plan, ["v", "w", "one", "two"])
+    assert [list(point.positions) for point in told.points] == [[0, 0, *row[3:]] for row in q]
+    assert list(told.points[1].velocities) == [1.0] * 4
+
+
 def broken(**changes):
     def change(plan):
         for key, value in changes.items():
