@@ -63,6 +63,7 @@ if TYPE_CHECKING:
         Htmpc,
         HtmpcConfig,
         Objective,
+        OtherRobot,
         Plan,
         SequenceRunner,
         SequenceTask,
@@ -127,7 +128,7 @@ else:
             "hqp": "SOLVERS HqpProblem HqpSolver Solution Status describe "
             "explain_unmet_levels make_solver register_solver",
             "limits": "Bounds JointLimits LimitOptions LimitsInForce viable_bounds",
-            "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH Htmpc HtmpcConfig Objective "
+            "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH Htmpc HtmpcConfig Objective OtherRobot "
             "Plan SequenceRunner SequenceTask Start CollisionScene",
             "references": "MotionLimits ReferenceSchedule References Spline Target Trajectory "
             "Twist Waypoints base_spline timed_waypoints",
@@ -177,6 +178,7 @@ __all__ = [
     "Objective",
     "ObstacleConfig",
     "Obstacles",
+    "OtherRobot",
     "Phase",
     "Plan",
     "Pose",

@@ -64,12 +64,6 @@ class ResolvedScenario:
         for key, targets in asked:
             for name in mounted.intersection(targets):
                 raise ConfigurationError(f"{where}: {key}: robot {name!r} has no base")
-        for name, sequence in scenario.sequences.items():
-            if sequence.robot in mounted:
-                raise ConfigurationError(
-                    f"{where}: sequences.{name}: robot {sequence.robot!r} has no base, "
-                    "and the MPC needs one"
-                )
         for name, place in scenario.robots.items():
             if name not in mounted and place.z:
                 raise ConfigurationError(

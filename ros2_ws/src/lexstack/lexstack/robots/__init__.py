@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
-    from lexstack.robots.assembly import BASE_JOINTS, DRIVE, build_base
+    from lexstack.robots.assembly import BASE_JOINTS, DRIVE, TOOL, build_base
     from lexstack.robots.collision_geometry import Spheres
     from lexstack.robots.description import description_path, is_text, located, urdf_text
     from lexstack.robots.from_urdf import mobile_manipulator, robot_from_urdf
@@ -33,7 +33,7 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
-            "assembly": "BASE_JOINTS DRIVE build_base",
+            "assembly": "BASE_JOINTS DRIVE TOOL build_base",
             "collision_geometry": "Spheres",
             "description": "description_path is_text located urdf_text",
             "from_urdf": "mobile_manipulator robot_from_urdf",
@@ -52,6 +52,7 @@ else:
 __all__ = [
     "BASE_JOINTS",
     "DRIVE",
+    "TOOL",
     "AnyBase",
     "ArmConfig",
     "ArmFile",

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
 from lexstack.errors import InputError
-from lexstack.mpc import ARCHITECTURES, Change, Reach, SequenceRunner
+from lexstack.mpc import ARCHITECTURES, Change, Reach, SequenceRunner, plans_of
 from lexstack.tasks import plan_stack
 from lexstack.transition import MAX_SCHEDULED, too_far
 from lexstack.types import RobotState
@@ -61,16 +61,10 @@ class HtmpcNode(Node):
         self._meter = Meter()
         self._failures = 0
         self._runners: dict[int, SequenceRunner] = {}
-        driving = {
-            i: robot
-            for i, robot in enumerate(self._team.robots)
-            if robot.has_base and not robot.differential
-        }
-        self._reach = {i: Reach(robot, self._team.obstacles) for i, robot in driving.items()}
+        self._reach = [Reach(robot, self._team.obstacles) for robot in self._team.robots]
         named = {entry.robot for entry in scenario.sequences.values()}
         for robot in sorted(map(self._team.index, named or scenario.robots)):
-            if robot in driving:
-                self._runner(robot)
+            self._runner(robot)
         self._plan_out = self.create_publisher(JointTrajectory, PLAN, STREAM)
         self._status_out = self.create_publisher(SequenceStatus, "/htmpc/status", STREAM)
         self._sequence_out = self.create_publisher(Sequence, "/htmpc/sequence", LATCHED)
@@ -154,7 +148,7 @@ class HtmpcNode(Node):
             raise InputError("no sequence is under way for this robot")
         runner = self._runners[robot]
         if change.kind == "retarget":
-            points = to_points(wish.poses, runner.task(change.name).kind, f"task {change.name!r}")
+            points = to_points(wish.task, runner.task(change.name).kind, f"task {change.name!r}")
             change = replace(change, points=points)
         self._check_change(robot, change)
         runner.change(change, state)
@@ -208,7 +202,7 @@ class HtmpcNode(Node):
             runner.begin(job.tasks, ARCHITECTURES[job.architecture], state)
             job.stage = Stage.RUNNING
             self._announce(job.robot, event)
-        progress = runner.step(state)
+        progress = runner.step(state, plans_of(self._runners))
         self._plan_out.publish(plan_message(progress.plan, joint_names(self._team, job.robot)))
         status = status_message(progress, state, name, job.architecture)
         self._status_out.publish(status)

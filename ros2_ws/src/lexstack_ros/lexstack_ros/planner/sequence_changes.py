@@ -33,13 +33,13 @@ class Wish:
     Attributes:
         robot: its place in the team; None: the one with a sequence under way.
         change: see there; without the points of a retarget.
-        poses: of a retarget, as messages.
+        task: of a retarget, the message that has its points.
         at_tick: from which on it holds; 0: now.
     """
 
     robot: int | None
     change: Change
-    poses: Any = ()
+    task: Any = None
     at_tick: int = 0
 
 
@@ -64,7 +64,7 @@ class SequenceChanges:
         """Change, or refuse with the reason."""
         try:
             robot = None if not request.robot else self._robot(request.robot)
-            wish = Wish(robot, _change(request), request.task.points, int(request.at_tick))
+            wish = Wish(robot, _change(request), request.task, int(request.at_tick))
             response.message = self._apply(wish)
             response.accepted = True
         except InputError as error:
