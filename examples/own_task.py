@@ -29,7 +29,7 @@ ur10 = lexstack.mobile_manipulator("ur_description/urdf/ur10_robot.urdf", "tool0
 team = lexstack.Team((lexstack.RobotModel("robot", ur10),), dt=0.01)
 posture = lexstack.TASKS["posture"](team, 0, {}, "posture")
 levels = tuple(lexstack.Level((task,), (1.0,)) for task in (Height(team, 1.2), posture))
-stacks = {"raised": lexstack.Stack("raised", levels)}
+stacks = {"raised": lexstack.tasks.Stack("raised", levels)}
 options = lexstack.TransitionOptions("raised", lexstack.TransitionConfig(duration=1.0))
 controller = lexstack.make_controller(team, stacks, options)
 

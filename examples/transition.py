@@ -18,7 +18,7 @@ options = lexstack.TransitionOptions("hand", lexstack.TransitionConfig(duration=
 controller = lexstack.make_controller(team, stacks, options)
 solver = lexstack.make_stack_solver(team, stacks)
 plant = lexstack.ExactPlant(team.home(), team.dt)
-run = lexstack.Lockstep(team, controller, solver, plant)
+run = lexstack.control.Lockstep(team, controller, solver, plant)
 
 pose = team.tools(team.home())[0]
 higher = lexstack.Pose(pose.position + np.array([0.3, 0.2, 0.1]), pose.rotation)
