@@ -173,6 +173,10 @@ def test_limits_of_a_run_hold_for_all_later_stacks():
     run.until(2.0)
     late = run.record().velocity[150:]
     assert 0.049 < np.abs(late).max() <= 0.05 + 1e-9
+    run.limits(["elbow_joint"], position=(-3.0, 1.4))
+    run.until(6.0)
+    assert run.state.q[2] <= 1.4 + 1e-9
+    assert np.abs(run.record().velocity[150:]).max() <= 0.05 + 1e-9, "as it was asked before"
     assert (np.abs(run.record().acceleration) <= run.team.limits.acceleration + 1e-6).all()
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,10 +19,10 @@ from lexstack.references import References, Target
 from lexstack.robots import Configuration, ObstacleConfig, Obstacles, Robot, Team
 from lexstack.tasks import JointLimitConfig
 from lexstack.tasks.specs.compiled import Names, compiled
-from lexstack.tasks.specs.stack import Stack
+from lexstack.tasks.specs.stack import Stack, with_limits
 from lexstack.tasks.stack import Stack as TeamStack
 from lexstack.transition import TransitionConfig, TransitionOptions
-from lexstack.types import RobotState
+from lexstack.types import RobotState, Vector
 
 
 class Lockstep(lockstep.Lockstep):
@@ -41,7 +41,7 @@ class Lockstep(lockstep.Lockstep):
         dt: float,
         *,
         q: object = None,
-        plant: lockstep.Plant | None = None,
+        plant: Callable[[Team, Vector], lockstep.Plant] | None = None,
         obstacles: Mapping[str, ObstacleConfig] | None = None,
         lead_in: float = 0.5,
         limit_jerk: bool = False,
@@ -53,7 +53,8 @@ class Lockstep(lockstep.Lockstep):
             stack: the first one.
             dt: control period [s].
             q: where the robots start, one after the other, shape (n_q,); None: at home.
-            plant: that is moved; None: ``ExactPlant``, which follows every command at once.
+            plant: makes what is moved of the robots and their start, such as ``mujoco_plant`` of
+                ``lexstack_sim``; None: ``ExactPlant``, which follows every command at once.
             obstacles: that ``CollisionAvoidance`` keeps away from, by name.
             lead_in: time in which a reference moves to a new target [s]; 0: it steps.
             limit_jerk: whether jerk is limited at every tick.
@@ -72,6 +73,7 @@ class Lockstep(lockstep.Lockstep):
         self._stacks: dict[str, TeamStack] = {}
         self._kept: list[Stack] = []  # in the order of their numbers
         self._limits: dict[str, dict[str, JointLimitConfig]] = {}
+        self._limited: list[tuple[Stack, dict[str, dict[str, JointLimitConfig]], Stack]] = []
         self._states: list[RobotState] = []
         self._commands: list[Command] = []
         self.stack = stack
@@ -85,7 +87,7 @@ class Lockstep(lockstep.Lockstep):
             team,
             controller,
             make_stack_solver(team, self._stacks),
-            plant or lockstep.ExactPlant(start, dt, team),
+            plant(team, start) if plant else lockstep.ExactPlant(start, dt, team),
         )
         self._plans = RunPlans(team, options.plan_every)
         self.plans = self._plans.at
@@ -175,7 +177,8 @@ class Lockstep(lockstep.Lockstep):
     ) -> int:
         """Tighten limits of joints, for the present stack and all later ones; return a transition.
 
-        The joints come within the new limits as fast as the old ones allow, and stay inside.
+        The joints come within the new limits as fast as the old ones allow, and stay inside. Where
+        a stack has limits too, the tighter ones hold. Without any limit the robots' own are back.
 
         Args:
             joints: their names; empty: all joints of the robot.
@@ -194,10 +197,7 @@ class Lockstep(lockstep.Lockstep):
         tighter = {key: value for key, value in given.items() if value is not None}
         chosen = [self.team.robots[self.team.index(robot)]] if robot else self.team.robots
         limits = {r.name: dict.fromkeys(tuple(joints) or r.joints, tighter) for r in chosen}
-        before = {name: dict(each) for name, each in self._limits.items()}
-        for name, each in self.stack.limited(limits).limits.items():
-            before.setdefault(name, {}).update(each)
-        self._limits = before
+        self._limits = with_limits(self._limits, limits) if tighter else {}
         return self.switch(self.stack, duration)
 
     def add_target(self, target: Target) -> None:
@@ -267,11 +267,13 @@ class Lockstep(lockstep.Lockstep):
         """Return a stack within the limits that were asked of the run; the same for the same."""
         if not self._limits:
             return stack
-        key = ("limited", id(self), repr(self._limits))
-        if key not in stack.kept:
-            stack.kept[key] = stack.limited(self._limits)
-        found: Any = stack.kept[key]
-        return found if isinstance(found, Stack) else stack
+        for known, limits, limited in self._limited:
+            if known is stack and limits == self._limits:
+                return limited
+        merged = with_limits(stack.limits, self._limits, tightest=True)
+        limited = replace(stack, limits=merged, name=stack.name)
+        self._limited.append((stack, self._limits, limited))
+        return limited
 
     def _known(self, stack: Stack) -> str:
         """Return the name under which the controller knows a stack, and let it know new ones."""

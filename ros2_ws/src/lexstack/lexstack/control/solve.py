@@ -18,6 +18,7 @@ from lexstack.hqp import (
     describe,
     explain_unmet_levels,
     make_solver,
+    near_singularity,
 )
 from lexstack.limits.joint_limits import Bounds
 from lexstack.limits.viable_bounds import target_bounds, viable_bounds
@@ -28,6 +29,7 @@ from lexstack.tasks.specs.compiled import Aim, Compiled, Names, compiled
 from lexstack.tasks.specs.stack import Stack
 from lexstack.types import Vector
 
+_MOST = 16  # robots, periods and obstacles that a stack is kept ready for
 _AT = 1e-9  # m/s, rad/s: nearer to its bound a joint is at it
 
 
@@ -59,7 +61,9 @@ class HqpResult:
         """Which levels are not met, by how much, and what holds them, in words; empty: all met."""
         if not self.solution.solved:
             return self.failure
-        return describe(explain_unmet_levels(self.problem, self.solution), self.joints)
+        levels = describe(explain_unmet_levels(self.problem, self.solution), self.joints)
+        near = near_singularity(self.solution.near)
+        return "; ".join(words for words in (levels, near) if words)
 
     @property
     def at_limits(self) -> tuple[str, ...]:
@@ -141,12 +145,14 @@ def solve_hqp(
     """
     team = configuration.team
     key = (*map(id, team.robots), id(team.obstacles) if len(team.obstacles) else 0, dt, solver)
-    known: Any = stack.kept.get(key)
+    ready: dict[Any, tuple[HqpController, Team]] = stack.kept.setdefault("solve_hqp", {})
+    known = ready.get(key)
     if known is None:
+        if len(ready) >= _MOST:
+            del ready[next(iter(ready))]
         # The team is kept too: an id stands for an object only while that is there.
-        known = stack.kept[key] = HqpController(team, stack, dt, solver=solver), team
-    controller: HqpController = known[0]
-    return controller.solve(configuration)
+        known = ready[key] = HqpController(team, stack, dt, solver=solver), team
+    return known[0].solve(configuration)
 
 
 def references_of(

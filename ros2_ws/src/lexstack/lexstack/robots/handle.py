@@ -153,6 +153,10 @@ class Robot:
             team = Team((self.model,), team.dt, Obstacles(obstacles))
         return Configuration.of(team, q, velocity, time)
 
+    def integrate(self, q: Vector, velocity: Vector, dt: float) -> Vector:
+        """Return where the robot is after dt [s] at a velocity from q, shape (n_q,)."""
+        return self.model.integrate(q, velocity, dt)
+
     def __repr__(self) -> str:
         """Return what it is, in one line."""
         return f"Robot({self.name!r}, joints: {', '.join(self.joints)})"

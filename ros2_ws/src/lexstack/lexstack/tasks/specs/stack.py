@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from lexstack.errors import InputError
@@ -103,7 +103,9 @@ class Stack:
         levels[one], levels[other] = levels[other], levels[one]
         return replace(self, levels=levels, name="")
 
-    def limited(self, limits: Mapping[str, Mapping[str, Any]]) -> Stack:
+    def limited(
+        self, limits: Mapping[str, Mapping[str, JointLimitConfig | Mapping[str, Any]]]
+    ) -> Stack:
         """Return the stack with tighter limits of joints, beside those that it has.
 
         Args:
@@ -112,18 +114,55 @@ class Stack:
         Raises:
             ConfigurationError: a field is unknown, or out of range.
         """
-        merged = {robot: dict(joints) for robot, joints in self.limits.items()}
-        for robot, joints in limits.items():
-            for joint, limit in joints.items():
-                where = f"limits: {robot}: {joint}"
-                merged.setdefault(robot, {})[joint] = build(JointLimitConfig, limit, where)
-        return replace(self, limits=merged, name="")
+        return replace(self, limits=with_limits(self.limits, limits), name="")
 
     def _check(self, task: AnyTask) -> None:
         """Raise InputError for a task that is not in the stack."""
         if not any(each is task for each in self.tasks):
             known = ", ".join(each.label for each in self.tasks)
             raise InputError(f"stack: {task.label} is not in it; there is: {known}")
+
+
+def with_limits(
+    limits: Limits,
+    more: Mapping[str, Mapping[str, JointLimitConfig | Mapping[str, Any]]],
+    *,
+    tightest: bool = False,
+) -> dict[str, dict[str, JointLimitConfig]]:
+    """Return limits with others beside them, by robot, joint and kind of limit.
+
+    Args:
+        limits: first ones.
+        more: the others: values as ``JointLimitConfig``, or as its fields.
+        tightest: whether the tighter one holds where both have one; else it is the other's.
+
+    Raises:
+        ConfigurationError: a field is unknown, or out of range.
+    """
+    merged = {robot: dict(joints) for robot, joints in limits.items()}
+    for robot, joints in more.items():
+        for joint, limit in joints.items():
+            new = build(JointLimitConfig, limit, f"limits: {robot}: {joint}")
+            before = merged.setdefault(robot, {}).get(joint, new)
+            merged[robot][joint] = _merged(before, new, tightest=tightest)
+    return merged
+
+
+def _merged(before: JointLimitConfig, new: JointLimitConfig, *, tightest: bool) -> JointLimitConfig:
+    """Return two limits of one joint as one."""
+    kept: dict[str, Any] = {}
+    for name in (each.name for each in fields(new)):
+        old, value = getattr(before, name), getattr(new, name)
+        if value is None or (tightest and old is None):
+            kept[name] = old if value is None else value
+        elif not tightest:
+            kept[name] = value
+        else:
+            position = name == "position"
+            kept[name] = (
+                (max(old[0], value[0]), min(old[1], value[1])) if position else min(old, value)
+            )
+    return JointLimitConfig(**kept)
 
 
 def _tuple(level: Sequence[AnyTask] | AnyTask) -> Sequence[AnyTask]:
