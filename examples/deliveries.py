@@ -16,9 +16,9 @@ robot = lx.Robot.from_urdf(
 stack = lx.Stack([[lx.FramePose("panda_hand")], [lx.VelocityDamping()]])
 run = lx.Lockstep(robot, stack, dt=0.02)
 tasks = (
-    lx.track("panda_hand", [0.8, 0.3, 0.5]).task("pick"),  # m
+    lx.track("panda_hand", [0.8, 0.3, 0.9]).task("pick"),  # m
     lx.track_base([1.2, 0.2]).task("drive", tolerance=0.05),
-    lx.track("panda_hand", [1.8, -0.3, 0.6]).task("place"),
+    lx.track("panda_hand", [1.8, -0.3, 1.1]).task("place"),
     lx.track_base([0.0, 0.0]).task("home", tolerance=0.05),
 )
 run.sequence(tasks, duration=0.5)

@@ -19,12 +19,12 @@ class Eight:
 
     def at(self, time):
         w = 2.0 * np.pi / 8.0
-        way = [0.05 * np.sin(2 * w * time), 0.15 * np.sin(w * time), 0.0]  # m
+        way = [0.1 * np.sin(2 * w * time), 0.15 * np.sin(w * time), 0.0]  # m
         return lx.Pose(self.start.position + way, self.start.rotation)
 
     def rate(self, time):
         w = 2.0 * np.pi / 8.0
-        return np.array([0.1 * w * np.cos(2 * w * time), 0.15 * w * np.cos(w * time), 0, 0, 0, 0])
+        return np.array([0.2 * w * np.cos(2 * w * time), 0.15 * w * np.cos(w * time), 0, 0, 0, 0])
 
 
 home = {"shoulder_lift_joint": -1.0, "elbow_joint": 1.5, "wrist_2_joint": 1.0}  # rad

@@ -18,7 +18,7 @@ hand, base, rest = lx.FramePose("panda_hand"), lx.BasePose(), lx.VelocityDamping
 run = lx.Lockstep(robot, lx.Stack([[hand], [rest]], "reach"), dt=0.01)
 start = run.configuration.frame("panda_hand").pose
 hand.set_target((start.position + [0.4, 0.3, 0.1], start.rotation))
-base.set_target([1.0, -0.5, 0.5])  # m, m, rad
+base.set_target([0.4, -0.1, 0.6])  # m, m, rad
 reach_and_drive = lx.Stack([[hand], [base]], "reach_and_drive")
 drive = reach_and_drive.swapped(0, 1)
 

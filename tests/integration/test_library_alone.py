@@ -43,7 +43,7 @@ SAID = {  # lines of every example
     ],
     "switch_and_preempt": [
         r"accelerations used at most (100|\d\d) % of their limits",
-        r"the base is at \[ ?(0\.99\d|1\.\d*) .*\]",
+        r"the base is at \[ ?0\.(4|399) .*\]",
     ],
     "teleoperation": [
         r"at 2 s the hand moves at 0\.150 m/s",

@@ -352,3 +352,26 @@ def test_what_is_wrong_is_one_line_that_says_what_and_where(case):
     with pytest.raises(lx.LexstackError, match=text) as error:
         make()
     assert "\n" not in str(error.value)
+
+
+def test_a_task_without_a_target_holds_where_it_is_when_its_stack_comes_back():
+    robot = arm(base="holonomic")
+    tool, base, rest = lx.FramePose("tool0"), lx.BasePose(), lx.VelocityDamping()
+    hold = lx.Stack([tool, base, rest])
+    lead = lx.FramePosition("tool0")
+    run = lx.Lockstep(robot, hold, dt=0.01)
+    home = run.configuration.frame("tool0").pose.position
+    lead.set_target(beside(home, 0.4, 0.4, 0.0))
+    run.switch(lx.Stack([lead, rest]), duration=0.3)
+    run.until(4.0)
+    there = run.state.q
+    run.switch(hold, duration=0.3)
+    run.until(8.0)
+    np.testing.assert_allclose(run.state.q, there, atol=1e-3)
+
+
+def test_tasks_with_equal_fields_are_two_tasks():
+    one, other = lx.FramePose("tool0"), lx.FramePose("tool0")
+    assert one != other
+    assert len({one, other}) == 2
+    assert [task is one for task in lx.Stack([one, other]).removed(other).tasks] == [True]

@@ -117,6 +117,7 @@ class Lockstep(lockstep.Lockstep):
 
     def step(self) -> Command:
         """Serve one tick: targets, plans, the solver's answers, the command, the plant's step."""
+        self.controller.begin(self.state)
         self._targets.give(self.controller.references, self.state, self.kinematics)
         return super().step()
 
@@ -239,7 +240,6 @@ class Lockstep(lockstep.Lockstep):
         name = f"plan of {self.team.names[place]} over {known.name}"
         self._stacks[name] = TeamStack(name, planned.levels, planned.limits, robots, planned=True)
         self.controller.transition.learn(name)
-        self._targets.also(name, known.name)
         return self._switch(name, self.stack, duration, None, "", ())
 
     # ---- inside

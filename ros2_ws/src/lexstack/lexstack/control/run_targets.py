@@ -18,8 +18,9 @@ Place = tuple[str, int, str]
 class RunTargets:
     """The targets of the stacks of a run, told to its references when they change.
 
-    A reference begins where its frame, base or posture is when its task comes into the run; the
-    target follows one tick later, so that the way to it begins there.
+    The reference of a task without a target is where its frame or base is when its stack comes into
+    effect: the task holds it there. A target follows one tick later, so that the way to it begins
+    there.
     """
 
     def __init__(self, team: Team) -> None:
@@ -27,6 +28,7 @@ class RunTargets:
         self._team = team
         self._aims: dict[str, tuple[Aim, ...]] = {}
         self._coming: list[tuple[int, tuple[Aim, ...]]] = []
+        self._active: tuple[Aim, ...] = ()  # of the stack that came into effect last
         # Of each reference: the aim that it follows, and the revision of its target that was given.
         self._given: dict[Place, tuple[Aim, int]] = {}
 
@@ -34,13 +36,9 @@ class RunTargets:
         """Take the tasks of a stack."""
         self._aims[stack] = aims
 
-    def also(self, stack: str, like: str) -> None:
-        """Let a stack have the tasks of another one."""
-        self._aims[stack] = self._aims[like]
-
     def use(self, stack: str, tick: int) -> None:
-        """Follow the targets of a stack from a tick on."""
-        self._coming.append((tick, self._aims[stack]))
+        """Follow the targets of a stack from a tick on; one that is not known has none."""
+        self._coming.append((tick, self._aims.get(stack, ())))
 
     def give(
         self,
@@ -51,46 +49,45 @@ class RunTargets:
         """Give the references what is new at a state."""
         due = [aims for tick, aims in self._coming if tick <= state.tick]
         self._coming = [entry for entry in self._coming if entry[0] > state.tick]
-        fresh: set[Place] = set()
-        for aim in (aim for aims in due for aim in aims):
-            place = _place(aim)
-            before = self._given.get(place)
-            if before is None or before[0].spec is not aim.spec:
-                known = before is not None and (not aim.frame)
-                self._begin(aim, place, known, references, state, kinematics)
-                fresh.add(place)
-            else:
-                self._given[place] = aim, before[1]
+        for aims in due:
+            before = {aim.spec for aim in self._active}
+            fresh = [aim for aim in aims if aim.spec not in before]
+            begun = [
+                target for aim in fresh for target in self._begun(aim, state, kinematics(state))
+            ]
+            self._active = aims
+            _at_once(references, begun, state.stamp)
         for place, (aim, revision) in self._given.items():
-            if aim.spec.revision != revision and place not in fresh:
+            if aim.spec.revision != revision:
                 references.add(_target(aim, aim.spec.goal, state.stamp))
                 self._given[place] = aim, aim.spec.revision
                 if isinstance(aim.task, Posture):
                     aim.task.led = True
 
-    def _begin(
-        self,
-        aim: Aim,
-        place: Place,
-        known: bool,
-        references: ReferenceSchedule,
-        state: RobotState,
-        kinematics: Callable[[RobotState], Kinematics],
-    ) -> None:
-        """Begin a reference where its frame, base or posture is; one that is there goes on."""
-        self._given[place] = aim, 0
-        if isinstance(aim.task, Posture):
-            if aim.spec.revision and not known:
-                references.add(_target(aim, aim.task.target, state.stamp))
-            return
-        if known and aim.spec.revision:
-            return
-        at: Any
+    def _begun(self, aim: Aim, state: RobotState, kinematics: Kinematics) -> list[Target]:
+        """Return where a reference begins; nothing where it is on its way already."""
+        place = _place(aim)
+        known, given = self._given.get(place, (None, 0))
+        mine = known is not None and known.spec is aim.spec
+        self._given[place] = aim, given if mine else 0
+        if aim.spec.revision and (mine or (known is not None and known.spec.revision)):
+            return []
         if aim.frame:
-            at = kinematics(state).frame(aim.robot, aim.frame)[0]
-        else:
-            at = self._team.base_poses(state.q)[aim.robot]
-        references.add(_target(aim, at, state.stamp))
+            return [_target(aim, kinematics.frame(aim.robot, aim.frame)[0], state.stamp)]
+        if isinstance(aim.task, Posture):
+            return [_target(aim, aim.task.target, state.stamp)] if aim.spec.revision else []
+        return [_target(aim, self._team.base_poses(state.q)[aim.robot], state.stamp)]
+
+
+def _at_once(references: ReferenceSchedule, targets: list[Target], stamp: float) -> None:
+    """Let references begin at targets, at this tick and without a way to them."""
+    if not targets:
+        return
+    for target in targets:
+        references.add(target)
+    lead_in, references.lead_in = references.lead_in, 0.0
+    references.decide(stamp)
+    references.lead_in = lead_in
 
 
 def _place(aim: Aim) -> Place:

@@ -14,7 +14,13 @@ from lexstack.options import build
 from lexstack.robots.configuration import Configuration
 from lexstack.robots.from_urdf import robot_from_urdf
 from lexstack.robots.obstacles import Obstacles
-from lexstack.robots.options import BaseConfig, ObstacleConfig, RobotConfig, SphereConfig
+from lexstack.robots.options import (
+    BaseConfig,
+    FrameConfig,
+    ObstacleConfig,
+    RobotConfig,
+    SphereConfig,
+)
 from lexstack.robots.robot import RobotModel
 from lexstack.robots.team import Team
 from lexstack.types import Vector
@@ -56,7 +62,9 @@ class Robot:
         Args:
             description: a path, ``package://NAME/...``, a text, a path below example-robot-data's
                 ``robots`` folder, or a model of pinocchio.
-            base: ``fixed``, a type of ``BaseConfig`` such as ``holonomic``, or a ``BaseConfig``.
+            base: ``fixed``, a type of ``BaseConfig`` such as ``holonomic``, or a ``BaseConfig``. On
+                a platform the first link is mounted in the middle of its top, unless ``mount``
+                says where; with ``chassis_mass=0`` the platform is in the URDF.
             name: by which tasks and limits name it where there are several.
             tool: the link of the default end effector; default: the last one of the only chain.
             tools: other names for links.
@@ -69,11 +77,15 @@ class Robot:
             ConfigurationError: a value is missing or wrong; the text names key and joint.
             ModelError: a frame is not there.
         """
+        platform = _base(base, name)
+        if platform is not None and platform.chassis_mass and "mount" not in arm:
+            top = platform.chassis_height + 0.5 * platform.chassis_size[2]
+            arm["mount"] = FrameConfig("base", (0.0, 0.0, top))
         return cls(
             robot_from_urdf(
                 description,
                 name=name,
-                base=_base(base, name),
+                base=platform,
                 tool=tool,
                 tools=tools,
                 place=place,

@@ -34,6 +34,10 @@ class TaskSpec:
     robot: str = ""
     weight: Positive = 1.0
 
+    # Two tasks with the same fields are two tasks: each has a target of its own.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
     def __post_init__(self) -> None:
         """Check the fields, and take arrays and lists for tuples."""
         where, kind = type(self).__name__, self._fields()
