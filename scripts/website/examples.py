@@ -39,6 +39,19 @@ def own_arm(axes: Axes, values: Values) -> None:
     _coordinates(axes, values["dt"] * np.arange(len(path)), path, values["place"].goal.position)
 
 
+def differential_drive(axes: Axes, values: Values) -> None:
+    """Draw the way of the base from above, with its heading now and then, and the hand."""
+    record = values["record"]
+    x, y, yaw = record.q[:, :3].T
+    axes.plot(x, y, color=ORANGE, label="base")
+    some = slice(None, None, 60)
+    arrows = (x[some], y[some], np.cos(yaw[some]), np.sin(yaw[some]))
+    axes.quiver(*arrows, color=ORANGE, scale=16, width=0.004)
+    hand = record.path("panda_hand")
+    axes.plot(hand[:, 0], hand[:, 1], "o", color=BLUE, label="hand")
+    axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
+
+
 def carry_a_box(axes: Axes, values: Values) -> None:
     """Draw how the hands rose, and their distance to each other."""
     time, hands, apart = values["record"].time, values["hands"], values["apart"]
@@ -146,6 +159,7 @@ DRAWINGS: dict[str, Draw] = {
     draw.__name__: draw
     for draw in (
         own_arm,
+        differential_drive,
         carry_a_box,
         teleoperation,
         figure_of_eight,

@@ -29,6 +29,11 @@ SAID = {  # lines of every example
         r"accelerations used at most (100|\d\d) % of their limits",
     ],
     "deliveries": [r" \d\.\d\d s: pick is done", r" [2-5]\.\d\d s: home is done"],
+    "differential_drive": [
+        r"n_q = 10, n_v = 9: base_v, base_w and the arm",
+        r"parked at x = -?[0-4]\.\d mm, y = 2(4[6-9]|5[0-4])\.\d mm, yaw = -?[0-4]\.\d mrad",
+        r"the hand moved by at most [0-4]\.\d mm, and 0\.\d\d at the end",
+    ],
     "figure_of_eight": [r"off the path by at most [0-4]\.\d um after 3 s"],
     "obstacle": [r"nearest to the ball: 0\.0[45]\d m; .*", r"it is back within 0\.\d mm"],
     "own_arm": [

@@ -90,6 +90,7 @@ if TYPE_CHECKING:
     from lexstack.robots import (
         BaseConfig,
         Configuration,
+        DifferentialConfig,
         Kinematics,
         ObstacleConfig,
         Obstacles,
@@ -162,8 +163,9 @@ else:
             "Plan SequenceRunner SequenceTask Start CollisionScene",
             "references": "MotionLimits ReferenceSchedule References Spline Target Trajectory "
             "Twist Waypoints base_spline timed_waypoints",
-            "robots": "BaseConfig Configuration Kinematics ObstacleConfig Obstacles Pose Robot "
-            "RobotConfig RobotModel SphereConfig Team mobile_manipulator robot_from_urdf",
+            "robots": "BaseConfig Configuration DifferentialConfig Kinematics ObstacleConfig "
+            "Obstacles Pose Robot RobotConfig RobotModel SphereConfig Team mobile_manipulator "
+            "robot_from_urdf",
             "tasks": "TASKS JointLimitConfig Level LevelConfig StackConfig Task TaskConfig "
             "build_stack register_task",
             "tasks.specs.bodies": "BasePose CentreOfMass JointCoupling Manipulability Posture "
@@ -199,6 +201,7 @@ __all__ = [
     "Configuration",
     "ConfigurationError",
     "Controller",
+    "DifferentialConfig",
     "ExactPlant",
     "FrameOrientation",
     "FramePose",

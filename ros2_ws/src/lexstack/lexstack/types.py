@@ -8,6 +8,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from lexstack.errors import InputError
+
 Vector = NDArray[np.float64]
 """An array of one dimension."""
 Matrix = NDArray[np.float64]
@@ -27,14 +29,17 @@ class PlantStatus(IntEnum):
 class RobotState:
     """All robots at one tick, stacked in the configured order; arrays are not to be written.
 
-    Per robot: base x [m], y [m], yaw [rad] in the world frame, then the arm joints [rad].
+    Positions, per robot: base x [m], y [m], yaw [rad] in the world frame, then the arm joints
+    [rad]. Velocities, as chi: the same of a holonomic base, forward speed [m/s] and yaw rate
+    [rad/s] of a differential one, then the arm joints.
 
     Attributes:
         tick: number of the control period, counted by the plant.
         stamp: simulated time [s].
-        q: measured positions, shape (n,).
+        q: measured positions, shape (nq,).
         v: measured velocities, shape (n,), m/s and rad/s.
-        q_star: Euler integral of the commands that the plant has accepted, shape (n,).
+        q_star: integral of the commands that the plant has accepted, each constant over its
+            period (``Team.integrate``), shape (nq,).
         command: the last chi that the plant has accepted, shape (n,).
     """
 
@@ -46,13 +51,18 @@ class RobotState:
     command: Vector
 
     @classmethod
-    def at_rest(cls, q: Vector) -> RobotState:
-        """Return the state of tick 0 at a configuration, shape (n,)."""
-        still = np.zeros_like(q)
+    def at_rest(cls, q: Vector, n: int | None = None) -> RobotState:
+        """Return the state of tick 0 at a configuration, shape (nq,); n: of chi, default nq."""
+        still = np.zeros(q.size if n is None else n)
         return cls(0, 0.0, q, still, q, still)
 
     def after(self, chi: Vector, dt: float) -> RobotState:
-        """Return the next tick's state of robots that follow a command exactly for dt [s]."""
+        """Return the next tick's state of robots that follow a command exactly for dt [s].
+
+        ``Team.after`` is for all robots; this is for those whose chi is the derivative of q.
+        """
+        if self.q.size != chi.size:
+            raise InputError("RobotState.after: chi is not the derivative of q: use Team.after")
         tick = self.tick + 1
         return RobotState(tick, tick * dt, self.q + dt * chi, chi, self.q_star + dt * chi, chi)
 

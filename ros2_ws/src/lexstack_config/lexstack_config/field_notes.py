@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import dataclasses
 import inspect
 import io
 import textwrap
@@ -10,10 +11,18 @@ import tokenize
 
 
 def notes_of(kind: type) -> dict[str, str]:
-    """Return the comment of every field that has one.
+    """Return the comment of every field that has one, inherited fields too.
 
     It stands at the end of the field's lines, or in lines of its own right above the field.
     """
+    notes: dict[str, str] = {}
+    for each in filter(dataclasses.is_dataclass, reversed(kind.__mro__)):
+        notes |= _own_notes(each)
+    return notes
+
+
+def _own_notes(kind: type) -> dict[str, str]:
+    """Return the comments of the fields that stand in a class itself."""
     source = textwrap.dedent(inspect.getsource(kind))
     comments = _comments(source)
     (tree,) = ast.parse(source).body

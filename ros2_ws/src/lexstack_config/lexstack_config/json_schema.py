@@ -95,8 +95,14 @@ class _Maker:
         return schema
 
     def _either(self, *kinds: Any) -> Schema:
-        """Return the schema of several types of which one is needed."""
-        return {"anyOf": [self._of(kind) for kind in kinds]}
+        """Return the schema of several types of which one is needed.
+
+        Of several dataclasses the first may do without its key ``type``, which tells them apart.
+        """
+        schemas = [self._of(kind) for kind in kinds]
+        for i in [i for i, kind in enumerate(kinds) if dataclasses.is_dataclass(kind)][1:]:
+            schemas[i] = schemas[i] | {"required": ["type"]}
+        return {"anyOf": schemas}
 
     def _list(self, first: Any, *others: Any) -> Schema:
         """Return the schema of a list of equal entries: any number, or as many as types."""

@@ -127,7 +127,9 @@ class Controller:
             references,
             bounds,
             self._bounds or bounds,
-            free_bounds=lambda: target_bounds(state.q_star, wanted, self._box.dt),
+            free_bounds=lambda: target_bounds(
+                self._team.joint_positions(state.q_star), wanted, self._box.dt
+            ),
             solve=auxiliary.solve,
             limits=limits,
             dt=self._box.dt,

@@ -61,7 +61,7 @@ def make_controller(
         references or ReferenceSchedule.at_home(team, team.home()),
         Transition(stacks, make_stack_solver(team, stacks, solver, damper), options, team, unfit),
         _made(solver),
-        box or LimitsInForce(team.limits, limits),
+        box or LimitsInForce(team.limits, limits, team.joint_positions),
         damper,
     )
 

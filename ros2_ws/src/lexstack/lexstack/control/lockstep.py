@@ -42,10 +42,10 @@ class Plant(Protocol):
 
 
 class ExactPlant:
-    """Robots that follow their command exactly and at once: q(k+1) = q(k) + dt chi."""
+    """Robots that follow their command exactly and at once: q(k+1) = q(k) + dt chi, or an arc."""
 
     def __init__(self, q: Vector, dt: float, team: Team | None = None) -> None:
-        """Start at rest at q, shape (n,), m and rad.
+        """Start at rest at q, shape (nq,), m and rad.
 
         Args:
             q: the configuration.
@@ -56,10 +56,10 @@ class ExactPlant:
         self._dt = dt
         self._tick = 0
         self._q = q
-        self._chi: Vector = np.zeros_like(q)
+        self._chi: Vector = np.zeros(q.size if team is None else team.n)
 
     def put(self, q: Vector, chi: Vector) -> None:
-        """Put the robots at q (n,), moving at chi (n,)."""
+        """Put the robots at q (nq,), moving at chi (n,)."""
         self._q, self._chi = q.copy(), chi.copy()
 
     def state(self) -> RobotState:

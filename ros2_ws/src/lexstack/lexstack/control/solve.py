@@ -112,10 +112,11 @@ class HqpController:
             if isinstance(aim.task, Posture):
                 aim.task.led = aim.spec.revision > 0
         levels = self._compiled.stack.linearise(kinematics, references)
+        place = self._team.joint_positions(state.q_star)
         if configuration.bounded:
-            bounds = viable_bounds(state.q_star, self._limits, dt, state.command)
+            bounds = viable_bounds(place, self._limits, dt, state.command)
         else:
-            bounds = target_bounds(state.q_star, self._limits, dt)
+            bounds = target_bounds(place, self._limits, dt)
         problem = HqpProblem(levels, bounds)
         damped = self._damper.damped(problem, kinematics, self._limits)
         solution = damped.own(self._solver.solve(damped.problem, damped.warm(self._warm)))

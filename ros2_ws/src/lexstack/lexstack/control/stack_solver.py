@@ -67,7 +67,8 @@ class StackSolver:
     def bounds(self, stack: str | Stack, kinematics: Kinematics) -> Bounds:
         """Return the viable position and velocity bounds of a stack at q*, T(35)."""
         limits = self._known(stack).limits or self._team.limits
-        return target_bounds(kinematics.state.q_star, limits, self._dt)
+        place = self._team.joint_positions(kinematics.state.q_star)
+        return target_bounds(place, limits, self._dt)
 
     def solve(self, stack: str | Stack, kinematics: Kinematics, references: References) -> Solution:
         """Return the optimum of a stack, warm from the last time; chi of shape (n,).

@@ -17,6 +17,15 @@ two products of small matrices, and no finite differences. The rotation between 
 robots a and b turns with both of them: with the moment t on b
 
     B_ij = t . (w_i x w_j) / 2          i of a, j of b
+
+The forward speed and the yaw rate of a differential base are no joints of a chain: driving along
+the heading h = v_1 and turning do not commute. The derivative of h along the turn is w_2 x v_1, as
+if the turn came first; that of the turn's column v_2 along the drive is 0, since the axis moves
+too. Half of the first is left once symmetrised,
+
+    B_12 = w_2 . (f x v_1) / 2
+
+and all other pairs are those of the chain.
 """
 
 from __future__ import annotations
@@ -53,13 +62,18 @@ def add_curvature(
         (robot,) = curve.robots
         here, (linear, angular) = places[robot], np.split(task.frame.jacobian, 2)
         into[here, here] += chain_curvature(linear, angular, forces)
+        if robot in kinematics.unicycles:
+            _add_unicycle(into[here, here], linear, angular, forces)
         return
     for robot, columns, sign in zip(curve.robots, curve.columns, curve.signs, strict=False):
         forces = np.zeros(6)
         forces[: weights.size] = (sign * curve.scale) * weights
         linear = (sign / curve.scale) * task.matrix[:3, columns]
         here = places[robot]
-        into[here, here] += chain_curvature(linear, kinematics.jacobians[robot][3:], forces)
+        angular = kinematics.jacobians[robot][3:]
+        into[here, here] += chain_curvature(linear, angular, forces)
+        if robot in kinematics.unicycles:
+            _add_unicycle(into[here, here], linear, angular, forces)
     if len(curve.signs) == 2 and weights.size == 6:
         one, other = curve.robots
         moment = _cross((0.5 * curve.signs[1] * curve.scale) * weights[3:])
@@ -84,6 +98,20 @@ def chain_curvature(linear: Matrix, axes: Matrix, forces: Vector) -> Matrix:
     result: Matrix = products * upper
     result += (products * strictly).T
     return result
+
+
+def _add_unicycle(block: Matrix, linear: Matrix, axes: Matrix, forces: Vector) -> None:
+    """Add to a robot's B, in place, that turning its base turns the direction it drives in.
+
+    Args:
+        block: a view of shape (n, n), which begins with the columns of v and w.
+        linear: as in ``chain_curvature``.
+        axes: as there.
+        forces: as there.
+    """
+    half = 0.5 * float(axes[:, 1].dot(_cross(forces[:3])).dot(linear[:, 0]))
+    block[0, 1] += half
+    block[1, 0] += half
 
 
 @lru_cache(maxsize=64)

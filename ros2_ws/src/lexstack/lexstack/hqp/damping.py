@@ -85,6 +85,7 @@ class Damper:
     def __init__(self, team: Team, dt: float) -> None:
         """Know whose joints are where; ``dt`` is the control period [s]."""
         self._slices = team.slices
+        self._positions = team.joint_positions
         self._margins = Margins(team.slices)
         self._dt = dt
 
@@ -103,7 +104,7 @@ class Damper:
             kinematics: of this tick.
             limits: of the joints, in force.
         """
-        sides = _sides(kinematics.state.q_star, limits, self._dt)
+        sides = _sides(self._positions(kinematics.state.q_star), limits, self._dt)
         irregular = self._margins.irregular(problem, sides, kinematics)
         if not irregular:
             return Damped(problem, problem)

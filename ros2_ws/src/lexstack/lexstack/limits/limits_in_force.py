@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from operator import is_not
 from typing import Protocol
@@ -57,9 +58,21 @@ class LimitsInForce:
     of a limit that it can keep without. Such a joint comes under them as soon as it can.
     """
 
-    def __init__(self, own: JointLimits, options: LimitOptions) -> None:
-        """Start with the robots' own limits in force, and no jerk limit."""
+    def __init__(
+        self,
+        own: JointLimits,
+        options: LimitOptions,
+        positions: Callable[[Vector], Vector] | None = None,
+    ) -> None:
+        """Start with the robots' own limits in force, and no jerk limit.
+
+        Args:
+            own: of the robots.
+            options: how they are kept.
+            positions: ``Team.joint_positions``; None: q is as long as chi.
+        """
         self._options = options
+        self._positions = positions
         self._blend = LimitBlend.settled(own)
         # Blends before it, each with the joints, shape (n,), whose limits have not changed since.
         self._going: list[tuple[NDArray[np.bool_], LimitBlend]] = []
@@ -89,7 +102,8 @@ class LimitsInForce:
         """
         acceleration = self._acceleration(state)
         dt, limited = self._options.dt, jerk or self._options.jerk
-        motion = Motion(state.q_star, state.command, dt, acceleration if limited else None)
+        place = state.q_star if self._positions is None else self._positions(state.q_star)
+        motion = Motion(place, state.command, dt, acceleration if limited else None)
         if wanted is not self._blend.new:
             old = replace(self._at(state.tick), jerk=self._jerk)
             self._keep_going(wanted, state.tick)
@@ -97,7 +111,7 @@ class LimitsInForce:
             self._blend = LimitBlend.begin(old, wanted, motion, *options)
         limits = self._at(state.tick)
         kept = self._within_jerk(limits, motion)
-        box = viable_bounds(state.q_star, kept, dt, state.command, sent, motion.acceleration)
+        box = viable_bounds(place, kept, dt, state.command, sent, motion.acceleration)
         return limits, box
 
     def _at(self, tick: int) -> JointLimits:

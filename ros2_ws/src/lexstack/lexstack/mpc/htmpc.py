@@ -66,6 +66,10 @@ class Htmpc:
         """
         if not robot.has_base:
             raise ModelError(f"robot {robot.name}: has no base, and the MPC needs one")
+        if robot.differential:
+            raise ModelError(
+                f"robot {robot.name}: its base is differential, the MPC's is holonomic"
+            )
         chosen = tuple(range(len(robot.config.spheres))) if spheres is None else spheres
         limits = robot.limits
         self.config = config

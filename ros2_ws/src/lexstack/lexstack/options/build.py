@@ -7,7 +7,7 @@ import math
 import types
 import typing
 from functools import cache
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from lexstack.errors import ConfigurationError, NotANumberError
 from lexstack.options.rules import shown
@@ -110,6 +110,7 @@ def _convert_union(hint: Any, value: object, where: str) -> Any:
     options = [option for option in typing.get_args(hint) if option is not type(None)]
     if value is None and len(options) < len(typing.get_args(hint)):
         return None
+    options = _by_type(options, value, where)
     errors = []
     for option in options:
         try:
@@ -121,6 +122,20 @@ def _convert_union(hint: Any, value: object, where: str) -> Any:
     kinds = [origin if origin in (tuple, dict) else None for origin in origins]
     alike = [error for kind, error in zip(kinds, errors, strict=True) if kind is looks]
     raise (alike or errors)[-1]
+
+
+def _by_type(options: list[Any], value: object, where: str) -> list[Any]:
+    """Return the one of several dataclasses that a mapping names by its key ``type``.
+
+    Without that key it is the first one. Other options are returned as they are.
+    """
+    kinds = [option for option in options if dataclasses.is_dataclass(option)]
+    if len(kinds) < 2 or not isinstance(value, dict):
+        return options
+    names = [typing.get_args(hints(typing.cast("type", kind))["type"])[0] for kind in kinds]
+    choice = Literal[tuple(names)]  # type: ignore[valid-type]
+    chosen = _convert_choice(choice, value.get("type", names[0]), f"{where}: type")
+    return [kinds[names.index(chosen)]]
 
 
 def _convert_tuple(hint: Any, value: object, where: str) -> tuple[Any, ...]:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
-    from lexstack.robots.assembly import BASE_JOINTS, build_base
+    from lexstack.robots.assembly import BASE_JOINTS, DRIVE, build_base
     from lexstack.robots.collision_geometry import Spheres
     from lexstack.robots.configuration import Configuration, FrameAt
     from lexstack.robots.description import description_path, is_text, located, urdf_text
@@ -14,8 +14,10 @@ if TYPE_CHECKING:
     from lexstack.robots.kinematics import Kinematics, Pose
     from lexstack.robots.obstacles import Obstacles
     from lexstack.robots.options import (
+        AnyBase,
         ArmConfig,
         BaseConfig,
+        DifferentialConfig,
         FrameConfig,
         ObstacleConfig,
         RobotConfig,
@@ -32,7 +34,7 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
-            "assembly": "BASE_JOINTS build_base",
+            "assembly": "BASE_JOINTS DRIVE build_base",
             "collision_geometry": "Spheres",
             "configuration": "Configuration FrameAt",
             "description": "description_path is_text located urdf_text",
@@ -40,7 +42,7 @@ else:
             "handle": "Robot",
             "kinematics": "Kinematics Pose",
             "obstacles": "Obstacles",
-            "options": "ArmConfig BaseConfig FrameConfig ObstacleConfig "
+            "options": "AnyBase ArmConfig BaseConfig DifferentialConfig FrameConfig ObstacleConfig "
             "RobotConfig SphereConfig Vector3 WheelsConfig",
             "robot": "RobotModel",
             "robot_file": "ArmFile RobotFile completed",
@@ -52,10 +54,13 @@ else:
 
 __all__ = [
     "BASE_JOINTS",
+    "DRIVE",
+    "AnyBase",
     "ArmConfig",
     "ArmFile",
     "BaseConfig",
     "Configuration",
+    "DifferentialConfig",
     "FrameAt",
     "FrameConfig",
     "Kinematics",

@@ -10,12 +10,15 @@ import pinocchio as pin
 from lexstack.errors import ModelError
 from lexstack.options import shown
 from lexstack.robots.mimics import Mimic, followed
-from lexstack.robots.options import ArmConfig, BaseConfig, FrameConfig, RobotConfig
+from lexstack.robots.options import AnyBase, ArmConfig, FrameConfig, RobotConfig
 from lexstack.robots.spatial import from_rpy
 from lexstack.robots.urdf import Description, read_urdf
 
 BASE_JOINTS = ("base_x", "base_y", "base_yaw")
-"""Names of a platform's joints, the first three of a robot that has one."""
+"""Names of a platform's joints in the model, the first three of a robot that has one."""
+
+DRIVE = ("base_v", "base_w")
+"""Names of the velocities that a differential base is commanded by: along its heading, and yaw."""
 
 _LINK = " (link)"
 
@@ -89,7 +92,7 @@ def held_joints(arm: ArmConfig, mimics: Mapping[str, Mimic]) -> dict[str, float]
     return held
 
 
-def build_base(base: BaseConfig) -> pin.Model:
+def build_base(base: AnyBase) -> pin.Model:
     """Return the platform alone: x, y, yaw in the world frame, chassis and wheels as one body."""
     model = pin.Model()
     identity = pin.SE3.Identity()

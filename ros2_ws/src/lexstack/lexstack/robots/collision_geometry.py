@@ -29,7 +29,8 @@ class Spheres:
         radii: shape (s,), m.
         owners: the place in the team of the robot that each sphere belongs to, shape (s,).
         moved_by: 1 where a joint moves a sphere, else 0, shape (s, n_all). The joints are those of
-            chi and, of robots with mimicking joints, all that move.
+            chi and, of robots with mimicking joints, all that move; of a differential base x, y and
+            yaw.
         twists: per joint the velocity of the body behind it, linear at the world's origin and
             then angular, as if that body reached there, shape (6, n_all).
         follows: how all joints' velocities follow chi, shape (n_all, n); None: they are chi.
@@ -88,6 +89,7 @@ class SphereModel:
         model: pin.Model,
         configs: tuple[SphereConfig, ...],
         joints_of: JointMap | None = None,
+        differential: bool = False,
     ) -> None:
         """Place the spheres on the joints; raises ModelError for a link that is not there.
 
@@ -96,6 +98,7 @@ class SphereModel:
             model: all of its joints that move.
             configs: the spheres.
             joints_of: how these joints follow its q; None: they are q.
+            differential: whether it drives with v and w, in place of the first three joints.
         """
         self.links = tuple(config.link for config in configs)
         self.names = tuple(
@@ -115,6 +118,8 @@ class SphereModel:
         if joints_of is not None:
             moves = (joints_of.matrix != 0.0).astype(np.float64)
             self.moved_by = np.minimum(self.moved_by @ moves, 1.0)
+        if differential:
+            self.moved_by = self.moved_by[:, 1:]  # what y moves, v does
         self._n = int(model.nv)
         self._turned, self._moved = _sums(joints, centers)
         self._model = _with_axes(model, sorted(set(joints)))

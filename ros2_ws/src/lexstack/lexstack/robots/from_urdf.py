@@ -12,7 +12,7 @@ import pinocchio as pin
 from lexstack.errors import ModelError
 from lexstack.options import build
 from lexstack.robots.description import located
-from lexstack.robots.options import BaseConfig, FrameConfig, RobotConfig, SphereConfig
+from lexstack.robots.options import AnyBase, BaseConfig, FrameConfig, RobotConfig, SphereConfig
 from lexstack.robots.robot import RobotModel
 from lexstack.robots.robot_file import RAMP, ArmFile, RobotFile, completed
 from lexstack.robots.urdf import Description, one_coordinate, read_urdf
@@ -24,7 +24,7 @@ def robot_from_urdf(
     description: str | Path | pin.Model,
     *,
     name: str = "robot",
-    base: BaseConfig | None = None,
+    base: AnyBase | None = None,
     tool: str | None = None,
     tools: Mapping[str, str] | None = None,
     place: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),

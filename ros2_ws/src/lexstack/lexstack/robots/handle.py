@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from lexstack.robots.configuration import Configuration
 from lexstack.robots.from_urdf import robot_from_urdf
 from lexstack.robots.obstacles import Obstacles
 from lexstack.robots.options import (
-    BaseConfig,
+    AnyBase,
     FrameConfig,
     ObstacleConfig,
     RobotConfig,
@@ -45,7 +46,7 @@ class Robot:
     def from_urdf(
         cls,
         description: str | Path | pin.Model,
-        base: str | BaseConfig = FIXED,
+        base: str | AnyBase = FIXED,
         *,
         name: str = "robot",
         tool: str | None = None,
@@ -62,9 +63,10 @@ class Robot:
         Args:
             description: a path, ``package://NAME/...``, a text, a path below example-robot-data's
                 ``robots`` folder, or a model of pinocchio.
-            base: ``fixed``, a type of ``BaseConfig`` such as ``holonomic``, or a ``BaseConfig``. On
-                a platform the first link is mounted in the middle of its top, unless ``mount``
-                says where; with ``chassis_mass=0`` the platform is in the URDF.
+            base: ``fixed``, ``holonomic``, ``differential``, a ``BaseConfig`` or a
+                ``DifferentialConfig``. On a platform the first link is mounted in the middle of its
+                top, unless ``mount`` says where; with ``chassis_mass=0`` the platform is in the
+                URDF.
             name: by which tasks and limits name it where there are several.
             tool: the link of the default end effector; default: the last one of the only chain.
             tools: other names for links.
@@ -174,11 +176,18 @@ class Robot:
         return f"Robot({self.name!r}, joints: {', '.join(self.joints)})"
 
 
-def _base(base: str | BaseConfig, name: str) -> BaseConfig | None:
+@dataclass(frozen=True)
+class _Base:
+    """A base by its type, as robot files have it."""
+
+    base: AnyBase
+
+
+def _base(base: str | AnyBase, name: str) -> AnyBase | None:
     """Return the configuration of a base, None for a robot without one."""
-    if isinstance(base, BaseConfig):
+    if not isinstance(base, str):
         return base
-    return None if base == FIXED else build(BaseConfig, {"type": base}, f"robot {name}: base")
+    return None if base == FIXED else build(_Base, {"base": {"type": base}}, f"robot {name}").base
 
 
 def _plain(value: Any) -> Any:

@@ -34,6 +34,9 @@ class Kinematics:
             at the tool's origin, axes parallel to the world (LOCAL_WORLD_ALIGNED).
         spheres_at: returns the collision spheres at a configuration, shape (n,).
         frames: looks up other frames than the tools, each once; use ``frame``.
+        unicycles: places in the team of the robots whose first two columns are the forward speed
+            and the yaw rate of a differential base. These two do not commute: how Jacobians change
+            along chi is not quite that of a chain of joints.
     """
 
     state: RobotState
@@ -41,6 +44,7 @@ class Kinematics:
     jacobians: tuple[Matrix, ...]
     spheres_at: Callable[[Vector], Spheres]
     frames: Frames
+    unicycles: frozenset[int] = frozenset()
 
     @cached_property
     def spheres(self) -> Spheres:

@@ -16,6 +16,7 @@ Vector3 = tuple[float, float, float]
 """Along x, y, z; of a platform x, y, yaw."""
 
 _Positive3 = tuple[Positive, Positive, Positive]
+_Positive2 = tuple[Positive, Positive]
 
 # The lists of an arm that have one entry per joint.
 _PER_JOINT = (
@@ -45,12 +46,10 @@ class WheelsConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class BaseConfig:
-    """A holonomic platform: planar joints x, y, yaw with velocity servos.
+class Platform:
+    """Chassis and wheels of a base, which the simulation alone needs.
 
-    The control needs its velocity, acceleration and jerk alone. Chassis, wheels, servos and
-    ``q_star_distance`` are the simulation's; by default they are those of a platform of 0.7 x 0.6 m
-    and 120 kg.
+    By default those of a platform of 0.7 x 0.6 m and 120 kg.
     """
 
     chassis_size: _Positive3 = (0.7, 0.6, 0.4)  # m, length x width x height of the box
@@ -59,6 +58,17 @@ class BaseConfig:
     # kg m2, about the box centre: ixx, iyy, izz; the default is a homogeneous box's
     chassis_inertia: _Positive3 = (4.3, 5.4, 7.1)
     wheels: WheelsConfig = field(default_factory=WheelsConfig)  # four of them
+
+
+@dataclass(frozen=True, slots=True)
+class BaseConfig(Platform):
+    """A holonomic platform: planar joints x, y, yaw with velocity servos.
+
+    The control needs its velocity, acceleration and jerk alone. Chassis, wheels, servos and
+    ``q_star_distance`` are the simulation's; by default they are those of a platform of 0.7 x 0.6 m
+    and 120 kg.
+    """
+
     velocity: _Positive3 = (1.0, 1.0, 2.0)  # m/s, m/s, rad/s
     acceleration: _Positive3 = (2.0, 2.0, 4.0)  # m/s2, m/s2, rad/s2
     jerk: _Positive3 = (200.0, 200.0, 400.0)  # m/s3, m/s3, rad/s3
@@ -66,6 +76,27 @@ class BaseConfig:
     servo_force: _Positive3 = (800.0, 800.0, 400.0)  # N, N, N m
     q_star_distance: _Positive3 = (0.02, 0.02, 0.02)  # m, m, rad: how far q* may run from q
     type: Literal["holonomic"] = "holonomic"  # which velocities it takes
+
+
+@dataclass(frozen=True, slots=True)
+class DifferentialConfig(Platform):
+    """A platform that drives ahead or back and turns, but never goes sideways.
+
+    Its commanded velocities are v [m/s], along its heading, and w [rad/s]: every list has these
+    two. The control needs its velocity, acceleration and jerk alone, as that of ``BaseConfig``.
+    """
+
+    velocity: _Positive2 = (1.0, 2.0)  # m/s, rad/s
+    acceleration: _Positive2 = (2.0, 4.0)  # m/s2, rad/s2
+    jerk: _Positive2 = (200.0, 400.0)  # m/s3, rad/s3
+    servo_gain: _Positive2 = (1e5, 1e4)  # N s/m, N m s/rad
+    servo_force: _Positive2 = (800.0, 400.0)  # N, N m
+    q_star_distance: _Positive2 = (0.02, 0.02)  # m, rad: how far q* may run from q
+    type: Literal["differential"] = "differential"  # which velocities it takes
+
+
+AnyBase = BaseConfig | DifferentialConfig
+"""A base of any type, as its ``type`` says."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +169,7 @@ class RobotConfig:
     """One kind of robot: base, arm, and the frames that end-effector tasks move."""
 
     name: str  # of its file
-    base: BaseConfig | None  # None: it stands on a table or hangs on a wall, and does not drive
+    base: AnyBase | None  # None: it stands on a table or hangs on a wall, and does not drive
     arm: ArmConfig  # what moves but the base
     tool: FrameConfig  # parent: a link of the arm; the frame ``tool``, the default end effector
     spheres: tuple[SphereConfig, ...] = ()  # none: it takes no part in any distance

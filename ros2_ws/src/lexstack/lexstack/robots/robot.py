@@ -11,12 +11,13 @@ import pinocchio as pin
 from lexstack.errors import ModelError
 from lexstack.limits.joint_limits import JointLimits
 from lexstack.options import shown
-from lexstack.robots.assembly import BASE_JOINTS, TOOL, build_robot, frame_index
+from lexstack.robots.assembly import BASE_JOINTS, DRIVE, TOOL, build_robot, frame_index
 from lexstack.robots.collision_geometry import SphereModel
 from lexstack.robots.joint_map import JointMap, joint_map
 from lexstack.robots.kinematics import Pose
-from lexstack.robots.options import RobotConfig
+from lexstack.robots.options import DifferentialConfig, RobotConfig
 from lexstack.robots.spatial import from_rpy
+from lexstack.robots.unicycle import arc, by_chi, rate_matrix
 from lexstack.robots.urdf import Description, slides
 from lexstack.types import Matrix, Vector
 
@@ -24,19 +25,25 @@ from lexstack.types import Matrix, Vector
 class RobotModel:
     """Kinematics, inertia and limits of one robot.
 
-    Its q is a plain vector of the positions of its controlled joints, of the same length as its
-    part of chi. A joint that turns without limits has one entry, an unwrapped angle: q is never
-    taken modulo 2 pi, and a robot that turned once is at another q than before.
+    Its q is a plain vector of positions. It has one entry for each of chi, but for a robot on a
+    differential base: that is commanded by its forward speed and its yaw rate, and has x, y, yaw in
+    its q, so that q is longer by one. A joint that turns without limits has one entry, an unwrapped
+    angle: q is never taken modulo 2 pi, and a robot that turned once is at another q than before.
 
     Attributes:
         name: the robot's name, unique in its team.
         config: what it was built from.
         pinocchio: the model of all joints that move, mimicking ones too; its configuration is
             ``positions(q)``. A base's x, y, yaw in the world frame come first.
-        joints: names of its controlled joints in the order of its part of chi.
+        joints: names of the entries of its part of chi: its controlled joints, of a differential
+            base ``base_v`` and ``base_w``.
+        coordinates: names of the entries of its q.
         limits: shape (n,) each; bases and continuous joints have no position limits.
-        base: the base's joints in its own vectors; empty where it has no base.
+        differential: whether its base is one.
+        base: the base's entries in its part of chi; empty where it has no base.
         arm: all others.
+        base_q: the base's entries in its q.
+        arm_q: all others.
         map: how the joints of ``pinocchio`` follow q; None: they are q.
         mounting: where the robot's base, or what an arm without base stands on, is at q = 0.
         spheres: that stand for it where distances are kept.
@@ -72,42 +79,54 @@ class RobotModel:
         model, mimics = build_robot(config, mounting, description)
         self.pinocchio: pin.Model = model
         base = () if config.base is None else BASE_JOINTS
-        self.joints: tuple[str, ...] = (*base, *config.arm.joints)
-        self.base = slice(0, len(base))
-        self.arm = slice(len(base), len(self.joints))
-        self.map: JointMap | None = joint_map(model.names[1:], self.joints, mimics)
+        self.differential = isinstance(config.base, DifferentialConfig)
+        driven = DRIVE if self.differential else base
+        self.coordinates: tuple[str, ...] = (*base, *config.arm.joints)
+        self.joints: tuple[str, ...] = (*driven, *config.arm.joints)
+        self.base, self.base_q = slice(0, len(driven)), slice(0, len(base))
+        self.arm = slice(len(driven), len(self.joints))
+        self.arm_q = slice(len(base), len(self.coordinates))
+        self.map: JointMap | None = joint_map(model.names[1:], self.coordinates, mimics)
         self.limits = _limits(config)
-        self.spheres = SphereModel(name, model, config.spheres, self.map)
+        self.spheres = SphereModel(name, model, config.spheres, self.map, self.differential)
         self._data: pin.Data = model.createData()
         self._tool: int = model.getFrameId(TOOL)
         self._frames: dict[str, int] = {TOOL: self._tool}
 
     @property
     def n(self) -> int:
-        """Number of controlled joints, base included: the length of its part of chi."""
+        """Number of velocities that it is commanded by: the length of its part of chi."""
         return len(self.joints)
 
     @property
     def nq(self) -> int:
         """Length of its q."""
-        return len(self.joints)
+        return len(self.coordinates)
 
     @property
     def has_base(self) -> bool:
         """Whether it drives."""
         return self.config.base is not None
 
+    @property
+    def without_position(self) -> tuple[str, ...]:
+        """The names of ``joints`` that are the derivative of no coordinate."""
+        return DRIVE if self.differential else ()
+
     @cached_property
     def prismatic(self) -> tuple[bool, ...]:
-        """Whether each joint slides, in the order of ``joints``.
+        """Whether each entry of chi is in m/s, in the order of ``joints``; else it is in rad/s."""
+        drive = (True, False) if self.differential else ()
+        return (*drive, *self.sliding[len(self.sliding) - self.n + len(drive) :])
 
-        Its position is then in m and its velocity in m/s, of the others in rad and rad/s.
-        """
+    @cached_property
+    def sliding(self) -> tuple[bool, ...]:
+        """Whether each entry of q is in m, in the order of ``coordinates``; else it is in rad."""
         model = self.pinocchio
-        return tuple(slides(model, model.getJointId(name)) for name in self.joints)
+        return tuple(slides(model, model.getJointId(name)) for name in self.coordinates)
 
     def home(self, base: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Vector:
-        """Return the home configuration with the base at x [m], y [m], yaw [rad], shape (n,).
+        """Return the home configuration with the base at x [m], y [m], yaw [rad], shape (nq,).
 
         A robot without a base stays where it is mounted.
         """
@@ -116,7 +135,7 @@ class RobotModel:
 
     def base_pose(self, q: Vector) -> Vector:
         """Return x [m], y [m], yaw [rad] of the base at q, or of the mounting without one."""
-        return np.array(q[self.base] if self.has_base else self._place, dtype=np.float64)
+        return np.array(q[self.base_q] if self.has_base else self._place, dtype=np.float64)
 
     @property
     def mid_range(self) -> Vector:
@@ -136,17 +155,35 @@ class RobotModel:
         return self.mid_range if posture is None else np.array(posture)
 
     def positions(self, q: Vector) -> Vector:
-        """Return the configuration of ``pinocchio`` at q (n,), mimicking joints included."""
+        """Return the configuration of ``pinocchio`` at q (nq,), mimicking joints included."""
         return q if self.map is None else self.map.positions(q)
 
     def integrate(self, q: Vector, chi: Vector, dt: float) -> Vector:
-        """Return where the robot is after it moved at chi for dt [s] from q, shape (nq,)."""
-        return q + dt * chi
+        """Return where the robot is after it moved at chi for dt [s] from q, shape (nq,).
+
+        Exact for a chi that is constant over dt: a differential base drives along an arc.
+        """
+        if not self.differential:
+            return q + dt * chi
+        moved = arc(q[:3], float(chi[0]), float(chi[1]), dt)
+        return np.concatenate((moved, q[3:] + dt * chi[2:]))
+
+    def rate_matrix(self, q: Vector) -> Matrix:
+        """Return G(q) of H(4) with q' = G(q) chi, shape (nq, n): of most robots the identity."""
+        return rate_matrix(self.n, float(q[2])) if self.differential else np.eye(self.n)
+
+    def _by_chi(self, matrix: Matrix, q: Vector) -> Matrix:
+        """Return the columns (m, n) of chi for those of all joints of ``pinocchio``, (m, n_all)."""
+        if self.map is not None:
+            matrix = matrix @ self.map.matrix
+        return by_chi(matrix, float(q[2])) if self.differential else matrix
 
     def mass_matrix(self, q: Vector) -> Matrix:
-        """Return the mass matrix of the controlled joints, armatures included, shape (n, n)."""
+        """Return the mass matrix of chi, armatures included, shape (n, n)."""
         mass = np.triu(pin.crba(self.pinocchio, self._data, self.positions(q)))
         full: Matrix = mass + np.triu(mass, 1).T
+        if self.differential:
+            return self._by_chi(self._by_chi(full, q).T, q)
         return full if self.map is None else self.map.matrix.T @ full @ self.map.matrix
 
     def frame(self, name: str) -> int:
@@ -165,17 +202,14 @@ class RobotModel:
         return self._frames[name]
 
     def tool(self, q: Vector) -> tuple[Pose, Matrix]:
-        """Return the tool's pose and its Jacobian (6, n), LOCAL_WORLD_ALIGNED, at q (n,)."""
+        """Return the tool's pose and its Jacobian (6, n), LOCAL_WORLD_ALIGNED, at q (nq,)."""
         return self.at(q, self._tool)
 
     def centre_of_mass(self, q: Vector) -> tuple[Vector, Matrix]:
-        """Return the centre of mass in the world (3,), m, and its Jacobian (3, n) at q (n,)."""
-        joints = self.map
-        every = q if joints is None else joints.positions(q)
+        """Return the centre of mass in the world (3,), m, and its Jacobian (3, n) at q (nq,)."""
+        every = self.positions(q)
         jacobian = np.array(pin.jacobianCenterOfMass(self.pinocchio, self._data, every, False))
-        if joints is not None:
-            jacobian = jacobian.reshape(3, -1) @ joints.matrix
-        return self._data.com[0].copy(), jacobian.reshape(3, self.n)
+        return self._data.com[0].copy(), self._by_chi(jacobian.reshape(3, -1), q)
 
     @property
     def mass(self) -> float:
@@ -183,10 +217,10 @@ class RobotModel:
         return float(sum(inertia.mass for inertia in self.pinocchio.inertias))
 
     def at(self, q: Vector, frame: int) -> tuple[Pose, Matrix]:
-        """Return a frame's pose and its Jacobian at q (n,).
+        """Return a frame's pose and its Jacobian at q (nq,).
 
         Args:
-            q: the configuration, shape (n,).
+            q: the configuration, shape (nq,).
             frame: as ``frame`` returned it.
 
         Returns:
@@ -205,8 +239,8 @@ class RobotModel:
         pose = pin.updateFramePlacement(self.pinocchio, self._data, frame)
         if jacobian.ndim == 1:  # pinocchio's, of a model of one joint
             jacobian = jacobian.reshape(6, 1)
-        if joints is not None:
-            jacobian = jacobian @ joints.matrix
+        if joints is not None or self.differential:
+            jacobian = self._by_chi(jacobian, q)
         return Pose(pose.translation.copy(), pose.rotation.copy()), jacobian
 
 
@@ -221,7 +255,7 @@ def _limits(config: RobotConfig) -> JointLimits:
             acceleration=np.array(arm.acceleration),
             jerk=np.array(arm.jerk),
         )
-    unlimited = np.full(3, np.inf)
+    unlimited = np.full(len(base.velocity), np.inf)
     return JointLimits(
         position_lower=np.concatenate([-unlimited, arm.position_lower]),
         position_upper=np.concatenate([unlimited, arm.position_upper]),

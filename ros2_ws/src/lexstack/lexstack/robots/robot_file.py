@@ -15,7 +15,7 @@ from lexstack.errors import ConfigurationError, ModelError
 from lexstack.options import Range, build, shown
 from lexstack.robots.description import located
 from lexstack.robots.joint_inertia import BANDWIDTH, DAMPING_RATIO, joint_inertias
-from lexstack.robots.options import ArmConfig, BaseConfig, FrameConfig, RobotConfig, SphereConfig
+from lexstack.robots.options import AnyBase, ArmConfig, FrameConfig, RobotConfig, SphereConfig
 from lexstack.robots.per_joint import (
     NotNegativePerJoint,
     PerJoint,
@@ -71,7 +71,7 @@ class RobotFile:
 
     name: str  # of its file
     arm: ArmFile  # what moves but the base
-    base: BaseConfig | None = None  # null: it does not drive
+    base: AnyBase | None = None  # null: it does not drive
     tool: FrameConfig | None = None  # default: the only link that carries no other
     tools: dict[str, FrameConfig] = field(default_factory=dict)  # other end effectors, by name
     spheres: tuple[SphereConfig, ...] = ()  # that stand for it where distances are kept

@@ -17,6 +17,9 @@ from lexstack.robots.options import Vector3
 from lexstack.robots.robot import RobotModel
 from lexstack.types import Matrix, RobotState, Vector
 
+NO_POSITION = 0.0
+"""Stands for the position of a velocity that has none, where limits ask for one: all are kept."""
+
 
 class Team:
     """The robots, which part of chi belongs to whom, and what is in their way.
@@ -60,13 +63,13 @@ class Team:
         return self.names.index(name)
 
     def columns(self, robots: Iterable[int]) -> Indices:
-        """Return the joints of some robots in chi, by the robots' places in the order."""
+        """Return the entries of some robots in chi, by the robots' places in the order."""
         return np.concatenate(
             [np.arange(self.slices[robot].start, self.slices[robot].stop) for robot in robots]
         )
 
     def home(self, bases: Mapping[str, Vector3] | None = None) -> Vector:
-        """Return every arm at its home, shape (n,).
+        """Return every arm at its home, shape (nq,).
 
         Args:
             bases: x [m], y [m], yaw [rad] by robot; where one is left out, the origin.
@@ -76,7 +79,7 @@ class Team:
         return np.concatenate([robot.home(places.get(robot.name, origin)) for robot in self.robots])
 
     def tools(self, q: Vector) -> tuple[Pose, ...]:
-        """Return each robot's tool pose at the stacked configuration q, shape (n,)."""
+        """Return each robot's tool pose at the stacked configuration q, shape (nq,)."""
         return tuple(
             robot.tool(q[part])[0] for robot, part in zip(self.robots, self.q_slices, strict=True)
         )
@@ -93,6 +96,7 @@ class Team:
             tuple(jacobian for _, jacobian in results),
             self.spheres,
             Frames(partial(self._frame, state.q)),
+            self._unicycles,
         )
 
     def _frame(self, q: Vector, robot: int, name: str) -> tuple[Pose, Matrix]:
@@ -117,13 +121,35 @@ class Team:
             ]
         )
 
+    def at_rest(self, q: Vector) -> RobotState:
+        """Return the state of tick 0 at a configuration, shape (nq,)."""
+        return RobotState.at_rest(q, self.n)
+
+    def after(self, state: RobotState, chi: Vector, dt: float | None = None) -> RobotState:
+        """Return the next tick's state of robots that follow a command exactly; dt: the team's."""
+        dt, tick = self.dt if dt is None else dt, state.tick + 1
+        q, q_star = (self.integrate(place, chi, dt) for place in (state.q, state.q_star))
+        return RobotState(tick, tick * dt, q, chi, q_star, chi)
+
+    def joint_positions(self, q: Vector) -> Vector:
+        """Return the position that each entry of chi is the velocity of, shape (n,).
+
+        The limits of positions are kept by it. v and w of a differential base are the velocities of
+        no coordinates, and have no such limits: ``NO_POSITION`` stands in their places.
+        """
+        if self.nq == self.n:
+            return q
+        return np.where(self._has_position, q[self._position_of], NO_POSITION)
+
     def spheres(self, q: Vector) -> Spheres:
-        """Return all collision spheres at the stacked configuration q, shape (n,)."""
+        """Return all collision spheres at the stacked configuration q, shape (nq,)."""
         results = [
             robot.spheres.at(q[part])
             for robot, part in zip(self.robots, self.q_slices, strict=True)
         ]
         radii, owners, moved_by, follows = self._fixed
+        if self._unicycles:
+            follows = self._follows(q)
         return Spheres(
             np.concatenate([centers for centers, _ in results], axis=1).T.copy(),
             radii,
@@ -139,6 +165,37 @@ class Team:
         return tuple(f"{robot.name}/{joint}" for robot in self.robots for joint in robot.joints)
 
     @cached_property
+    def _unicycles(self) -> frozenset[int]:
+        """The places of the robots on differential bases."""
+        return frozenset(i for i, robot in enumerate(self.robots) if robot.differential)
+
+    @cached_property
+    def _position_of(self) -> Indices:
+        """Where in q the position of each entry of chi is; of those without one, anywhere."""
+        places: Indices = np.zeros(self.n, dtype=np.intp)
+        for robot, at, part in zip(self.robots, self.q_slices, self.slices, strict=True):
+            places[part] = np.arange(at.stop - robot.n, at.stop)
+        return places
+
+    @cached_property
+    def _has_position(self) -> Indices:
+        """Whether each entry of chi is the derivative of an entry of q."""
+        return np.concatenate(
+            [np.arange(robot.n) >= 2 * robot.differential for robot in self.robots]
+        )
+
+    def _follows(self, q: Vector) -> Matrix:
+        """Return ``Spheres.follows`` where some robots are on differential bases."""
+        follows = np.zeros((sum(robot.pinocchio.nv for robot in self.robots), self.n))
+        row = 0
+        for robot, at, part in zip(self.robots, self.q_slices, self.slices, strict=True):
+            rates = robot.rate_matrix(q[at])
+            every = slice(row, row + robot.pinocchio.nv)
+            follows[every, part] = rates if robot.map is None else robot.map.matrix @ rates
+            row = every.stop
+        return follows
+
+    @cached_property
     def _fixed(self) -> tuple[Vector, Indices, Matrix, Matrix | None]:
         """Return what does not move: ``radii``, ``owners``, ``moved_by``, ``follows``."""
         counts = [len(robot.spheres.radii) for robot in self.robots]
@@ -149,7 +206,8 @@ class Team:
         for i, (robot, part, end) in enumerate(zip(self.robots, self.slices, ends, strict=True)):
             every = slice(end - robot.spheres.moved_by_all.shape[1], end)
             moved_by[owners == i, every] = robot.spheres.moved_by_all
-            follows[every, part] = np.eye(robot.n) if robot.map is None else robot.map.matrix
+            if not self._unicycles:  # else it depends on q
+                follows[every, part] = np.eye(robot.n) if robot.map is None else robot.map.matrix
         radii = np.concatenate([robot.spheres.radii for robot in self.robots])
         for array in (radii, owners, moved_by, follows):
             array.setflags(write=False)

@@ -12,6 +12,7 @@ from lexstack.options import Positive, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Team
 from lexstack.robots.spatial import wrap
+from lexstack.tasks.unicycle_base import UnicycleBase
 from lexstack.types import Curve, LinearTask
 
 
@@ -27,6 +28,8 @@ class Base:
 
     def __init__(self, team: Team, robot: int, parameters: BaseParameters) -> None:
         """Make the task of the robot at place ``robot``; raises ModelError where it has no base."""
+        if team.robots[robot].differential:
+            raise ModelError(f"robot {team.names[robot]}: drives with v and w: see UnicycleBase")
         if not team.robots[robot].has_base:
             raise ModelError(f"robot {team.names[robot]}: has no base, which the task 'base' moves")
         self.name = f"{team.names[robot]}/base"
@@ -40,10 +43,18 @@ class Base:
         self._curve = Curve(parameters.gain, (robot,), (team.slices[robot],))
 
     @classmethod
-    def from_config(cls, team: Team, robot: int, parameters: dict[str, Any], where: str) -> Base:
-        """Return the task that a stack file describes; raises ConfigurationError."""
+    def from_config(
+        cls, team: Team, robot: int, parameters: dict[str, Any], where: str
+    ) -> Base | UnicycleBase:
+        """Return the task that a stack file describes; raises ConfigurationError.
+
+        Of a differential base it is ``UnicycleBase``.
+        """
+        chosen = build(BaseParameters, parameters, where)
         try:
-            return cls(team, robot, build(BaseParameters, parameters, where))
+            if team.robots[robot].differential:
+                return UnicycleBase(team, robot, chosen.gain)
+            return cls(team, robot, chosen)
         except ModelError as error:
             raise ConfigurationError(f"{where.removesuffix(': parameters')}: {error}") from error
 

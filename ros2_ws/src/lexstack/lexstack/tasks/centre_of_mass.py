@@ -49,6 +49,7 @@ class CentreOfMass:
         if not self._model.mass > 0.0:
             raise ConfigurationError(f"{where}: robot {self._model.name!r} has no mass")
         self._columns = team.slices[robot]
+        self._place = team.q_slices[robot]
         self._n = team.n
         self._parameters = parameters
         self._rows = list(kept_rows(parameters.mask))
@@ -63,7 +64,7 @@ class CentreOfMass:
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return a row for each axis that is kept [m/s], axes of the world."""
-        centre, jacobian = self._model.centre_of_mass(kinematics.state.q[self._columns])
+        centre, jacobian = self._model.centre_of_mass(kinematics.state.q[self._place])
         error = (self._target - centre)[self._rows]
         matrix = np.zeros((len(self._rows), self._n))
         matrix[:, self._columns] = jacobian[self._rows]

@@ -16,7 +16,9 @@ import numpy as np
 from lexstack.types import Matrix, Vector
 
 
-def feed_forward(twist: Vector, jacobian: Matrix, command: Vector, dt: float) -> Vector:
+def feed_forward(
+    twist: Vector, jacobian: Matrix, command: Vector, dt: float, unicycle: bool = False
+) -> Vector:
     """Return what a frame is asked to move with, besides its correction, shape (6,).
 
     Args:
@@ -24,23 +26,28 @@ def feed_forward(twist: Vector, jacobian: Matrix, command: Vector, dt: float) ->
         jacobian: of the frame, shape (6, n_robot), LOCAL_WORLD_ALIGNED.
         command: the robot's joint velocities of the tick before, shape (n_robot,).
         dt: control period [s].
+        unicycle: whether its first two columns are those of a differential base.
     """
-    return np.asarray(twist - 0.5 * dt * drift(jacobian, command))
+    return np.asarray(twist - 0.5 * dt * drift(jacobian, command, unicycle))
 
 
-def drift(jacobian: Matrix, velocity: Vector) -> Vector:
+def drift(jacobian: Matrix, velocity: Vector, unicycle: bool = False) -> Vector:
     """Return (dJ/dt) chi of a frame on a chain of joints, shape (6,), m/s^2 and rad/s^2.
 
     With the columns v_j, w_j of the joints in the order of the chain, and the angular velocity
     Omega_j of all before j: sum_j chi_j (2 Omega_j x v_j + chi_j w_j x v_j), sum_j chi_j Omega_j x
-    w_j.
+    w_j. Of a differential base, (v, w) in the first two places, v w_2 x v_1 is added: its heading
+    turns with w, see ``hqp.curvature``.
     """
     moved = jacobian * velocity
     linear, angular = moved[:3].T, moved[3:].T
     before = np.cumsum(angular, axis=0) - angular
-    return np.concatenate(
+    result = np.concatenate(
         (
             np.cross(2.0 * before + angular, linear).sum(axis=0),
             np.cross(before, angular).sum(axis=0),
         )
     )
+    if unicycle:
+        result[:3] += np.cross(angular[1], linear[0])
+    return result

@@ -57,7 +57,8 @@ class EePose:
         feed = references.twist(self._robot)
         if feed is not None:
             command = kinematics.state.command[self._columns]
-            feed = feed_forward(feed, kinematics.jacobians[self._robot], command, self._dt)
+            bends = self._robot in kinematics.unicycles
+            feed = feed_forward(feed, kinematics.jacobians[self._robot], command, self._dt, bends)
         return LinearTask.equality(self.name, matrix, target, self._curve, feed)
 
 

@@ -54,5 +54,8 @@ class EePosition:
         feed = references.twist(self._robot)
         if feed is not None:
             command = kinematics.state.command[self._columns]
-            feed = feed_forward(feed, kinematics.jacobians[self._robot], command, self._dt)[:3]
+            bends = self._robot in kinematics.unicycles
+            feed = feed_forward(feed, kinematics.jacobians[self._robot], command, self._dt, bends)[
+                :3
+            ]
         return LinearTask.equality(self.name, matrix, target, self._curve, feed)

@@ -125,7 +125,8 @@ class FrameTask:
         feed = references.twist(self._robot, self.reference)
         if feed is not None:
             command = kinematics.state.command[self._columns]
-            feed = feed_forward(feed, jacobian, command, self._dt)
+            bends = self._robot in kinematics.unicycles
+            feed = feed_forward(feed, jacobian, command, self._dt, bends)
         matrix = np.zeros((len(choice.rows), self._n))
         if choice.plain:
             m = len(choice.rows)

@@ -43,6 +43,11 @@ class JointCoupling:
         """Make the task of the robot at place ``robot``; raises for joints that are not there."""
         names = team.robots[robot].joints
         for name in parameters.joints:
+            if name in team.robots[robot].without_position:
+                raise ConfigurationError(
+                    f"{where}: joints: {name} is a velocity of a differential base, "
+                    "which has no position"
+                )
             if name not in names:
                 raise ConfigurationError(
                     f"{where}: joints: unknown joint {shown(name)}; known: {', '.join(names)}"
@@ -50,6 +55,7 @@ class JointCoupling:
         self.name = f"{team.names[robot]}/joint_coupling({'+'.join(parameters.joints)})"
         self.robots = (robot,)
         self._matrix = np.zeros((1, team.n))
+        self._positions = team.joint_positions
         start = team.slices[robot].start
         for name, coefficient in parameters.joints.items():
             self._matrix[0, start + names.index(name)] = coefficient
@@ -66,7 +72,7 @@ class JointCoupling:
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return one row, in the unit of ``value`` per s."""
-        error = self._parameters.value - self._matrix @ kinematics.state.q_star
+        error = self._parameters.value - self._matrix @ self._positions(kinematics.state.q_star)
         return LinearTask.equality(
             self.name, self._matrix, self._parameters.gain * error, self._curve
         )

@@ -48,8 +48,8 @@ class Posture:
         model = team.robots[robot]
         self.led = True
         self.target = posture_target(model, parameters, where)
-        start = team.slices[robot].stop - len(self.target)
-        self._columns = slice(start, team.slices[robot].stop)
+        start, end = team.slices[robot].stop - len(self.target), team.q_slices[robot].stop
+        self._place = slice(end - len(self.target), end)
         self._matrix = np.eye(len(self.target), team.n, start)
         self._kept: list[int] | None = None
         if parameters.joints:
@@ -75,7 +75,7 @@ class Posture:
         target = self.target
         if self.led:
             target = motion.postures.get(self.robots[0], target)
-        error = target - kinematics.state.q_star[self._columns]
+        error = target - kinematics.state.q_star[self._place]
         feed = motion.posture_rates.get(self.robots[0]) if self.led else None
         if self._kept is not None:
             error, feed = error[self._kept], None if feed is None else feed[self._kept]

@@ -189,6 +189,10 @@ def build_limits(config: StackConfig, team: Team, where: str = "") -> JointLimit
         for joint, limit in joints.items():
             _known(f"{place}.{robot}", "joint", joint, team.robots[number].joints)
             i = team.slices[number].start + team.robots[number].joints.index(joint)
+            if limit.position is not None and joint in team.robots[number].without_position:
+                raise ConfigurationError(
+                    f"{place}.{robot}.{joint}: position: a velocity of a differential base has none"
+                )
             for name, value in _given(limit).items():
                 _check_within(f"{place}.{robot}.{joint}", name, value, values[name][i])
                 values[name][i] = value
