@@ -19,7 +19,7 @@ class AxisAlignment(TaskSpec, AxisAlignmentParameters):
 
     B J_w chi -> B sat(gain e), with e the turn from the axis to the direction the short way.
 
-    placo: ``AxisAlignTask``; pink and mink have none.
+    mink and placo: ``AxisAlignTask``; pink has none.
 
     Attributes:
         frame: of the robot: a link or joint of its description, or ``tool``.
@@ -39,7 +39,7 @@ class LookAt(TaskSpec, LookAtParameters):
     B (J_w + [d]x J_v / r) chi -> B sat(gain e), with d the direction to the point and r the
     distance.
 
-    pink, mink and placo have no such task.
+    mink: ``LookAtTask``; pink and placo have none.
 
     Attributes:
         point: m, in the world.
