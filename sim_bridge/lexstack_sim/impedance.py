@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from lexstack.robots import BASE_JOINTS, RobotModel, Team
+from lexstack.robots import BASE_JOINTS, RobotModel, Team, along_axes
 from lexstack.types import Vector
 
 
 class ImpedanceLoop:
     """T(40) tau = K_qd (q*' - v) + K_qp (q* - q) + g on the arms, velocity servos on the bases.
 
-    One set of vectors in the order of chi serves both: a base joint has no stiffness, damping or
+    One set of vectors in the order of q serves both: a base joint has no stiffness, damping or
     gravity, and hands the reference velocity itself to its servo. The torque is limited, and so
     is its rate of change.
 
     Attributes:
-        control: what the actuators get, shape (n,): N m for arms, m/s and rad/s for bases; written
+        control: what the actuators get, shape (nq,): N m for arms, m/s and rad/s for bases; written
             in place. It is the loop's only memory, so whoever saves it saves the loop.
     """
 
@@ -31,21 +31,21 @@ class ImpedanceLoop:
         self._negative_limit = -self._limit
         self._change = per_joint(team, np.inf, "torque_rate") * period
         self._gravity = _Gravity(team)
-        self._wanted: Vector = np.zeros(team.n)
-        self._scratch: Vector = np.zeros(team.n)
-        self._lower: Vector = np.zeros(team.n)
-        self._upper: Vector = np.zeros(team.n)
+        self._wanted: Vector = np.zeros(team.nq)
+        self._scratch: Vector = np.zeros(team.nq)
+        self._lower: Vector = np.zeros(team.nq)
+        self._upper: Vector = np.zeros(team.nq)
 
     def reset(self, q: Vector) -> None:
-        """Start at rest at q, shape (n,), with the torques that hold it."""
+        """Start at rest at q, shape (nq,), with the torques that hold it."""
         np.clip(self._gravity(q), self._negative_limit, self._limit, out=self.control)
 
     def update(self, q: Vector, v: Vector, q_star: Vector, v_star: Vector) -> None:
-        """Write the control of the next period; all arguments have shape (n,).
+        """Write the control of the next period; all arguments have shape (nq,).
 
         Args:
             q: measured positions [m, rad].
-            v: measured velocities [m/s, rad/s].
+            v: measured velocities, the derivative of q [m/s, rad/s].
             q_star: desired positions.
             v_star: desired velocities.
         """
@@ -76,34 +76,35 @@ class _Gravity:
                 robot,
                 robot.pinocchio.createData(),
                 at,
-                slice(part.start + robot.arm.start, part.stop),
+                slice(at.start + robot.arm_q.start, at.stop),
             )
-            for robot, at, part in zip(team.robots, team.q_slices, team.slices, strict=True)
+            for robot, at in zip(team.robots, team.q_slices, strict=True)
         ]
-        self._torque: Vector = np.zeros(team.n)
+        self._torque: Vector = np.zeros(team.nq)
 
     def __call__(self, q: Vector) -> Vector:
-        """Return g(q), shape (n,), N m and 0 on planar bases; the array is used again."""
+        """Return g(q), shape (nq,), N m and 0 on planar bases; the array is used again."""
         torque = self._torque
         for robot, data, at, arm in self._robots:
-            torque[arm] = gravity(robot, data, q[at])[robot.arm]
+            torque[arm] = gravity(robot, data, q[at])[robot.arm_q]
         return torque
 
 
 def gravity(robot: RobotModel, data: pin.Data, q: Vector) -> Vector:
-    """Return g(q) of the controlled joints, shape (n,), with what mimicking joints carry."""
+    """Return g(q) along the entries of q, shape (nq,), with what mimicking joints carry."""
     full = pin.computeGeneralizedGravity(robot.pinocchio, data, robot.positions(q))
     reduced: Vector = full if robot.map is None else robot.map.matrix.T @ full
     return reduced
 
 
 def per_joint(team: Team, base: str | float, arm: str) -> Vector:
-    """Return one value per joint, shape (n,): fields of BaseConfig (or a number) and ArmConfig."""
+    """Return one value per entry of q, shape (nq,): fields of base (or a number) and arm."""
     parts = []
     for robot in team.robots:
         config = robot.config
         if config.base is not None:
-            named = isinstance(base, str)
-            parts.append(getattr(config.base, base) if named else [base] * len(BASE_JOINTS))
+            number = not isinstance(base, str)
+            values = (base,) * len(BASE_JOINTS) if number else getattr(config.base, base)
+            parts.append(along_axes(values))
         parts.append(getattr(config.arm, arm))
     return np.concatenate(parts)

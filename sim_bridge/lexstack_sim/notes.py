@@ -19,7 +19,7 @@ def notes(team: Team, home: Vector) -> tuple[str, ...]:
     """
     lines = [line for robot in team.robots for line in missing_meshes(robot)]
     for robot, at in zip(team.robots, team.q_slices, strict=True):
-        weight = np.abs(gravity(robot, robot.pinocchio.createData(), home[at]))[robot.arm]
+        weight = np.abs(gravity(robot, robot.pinocchio.createData(), home[at]))[robot.arm_q]
         arm = robot.config.arm
         lines += [
             f"robot {robot.name}: joint {joint}: its torque limit of {most:g} does not hold the "

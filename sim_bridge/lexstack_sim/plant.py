@@ -15,6 +15,7 @@ from lexstack_config.plant import PushConfig
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_sim.contacts import touching
 from lexstack_sim.coordinates import Coordinates
+from lexstack_sim.driving import Driving
 from lexstack_sim.impedance import ImpedanceLoop, per_joint
 from lexstack_sim.notes import notes
 from lexstack_sim.payload_friction import add_payload_friction
@@ -89,8 +90,9 @@ class Plant:
         self._loop = ImpedanceLoop(team, PHYSICS_PERIOD, self._data.ctrl)
         self._coordinates = Coordinates(self.world, team)
         direct = self._coordinates.direct
-        self._q: Vector = self._data.qpos if direct else np.zeros(team.n)
-        self._v: Vector = self._data.qvel if direct else np.zeros(team.n)
+        self._driving = Driving(team)
+        self._q: Vector = self._data.qpos if direct else np.zeros(team.nq)
+        self._rates: Vector = self._data.qvel if direct else np.zeros(team.nq)  # q'
         self.reset(seed)
 
     def reset(self, seed: int = 0) -> RobotState:
@@ -118,7 +120,7 @@ class Plant:
 
     @property
     def effort(self) -> Vector:
-        """Forces of the actuators in the last physics step, shape (n,), N and N m."""
+        """Forces of the actuators in the last physics step along q, shape (nq,), N and N m."""
         return _frozen(self._plant_state.effort)
 
     @property
@@ -231,23 +233,33 @@ class Plant:
     def _advance(self) -> None:
         """Run the physics of one tick; q* moves along the command (first-order hold)."""
         plant_state, data = self._plant_state, self._data
-        q, v, command = self._q, self._v, plant_state.command
+        q, rates, command = self._q, self._rates, plant_state.command
+        driving, sensors = self._driving, plant_state.sensors
         increment = PHYSICS_PERIOD * command
         self._begin_pushes()
         for _ in range(self._steps):
-            self._loop.update(q, v, plant_state.q_star, command)
-            if self._sensors.slips:
-                data.ctrl *= plant_state.sensors.grip
+            # At the measured yaw, so that a differential base is never sent to its side.
+            wanted = (
+                command if driving.straight or not self._sensors.slips else sensors.grip * command
+            )
+            self._loop.update(q, rates, plant_state.q_star, driving.rates(q, wanted))
+            if driving.straight and self._sensors.slips:
+                data.ctrl *= sensors.grip
             if self._wrenches:
                 self._push()
             if self._obstacles.moving:
                 data.mocap_pos[:] = self._obstacles.at(data.time)
             mujoco.mj_step(self.world, data)
             self._read()
-            plant_state.q_star += increment
+            if driving.straight:
+                plant_state.q_star += increment
+            else:
+                plant_state.q_star[:] = self.team.integrate(
+                    plant_state.q_star, command, PHYSICS_PERIOD
+                )
             if not self._sensors.perfect:
-                self._sensors.see(plant_state.sensors, q, v)
-        self._sensors.measure(plant_state.sensors, q, v)
+                self._sensors.see(sensors, q, driving.velocities(q, rates))
+        self._sensors.measure(sensors, q, driving.velocities(q, rates))
         if any(data.warning[kind].number for kind in _DIVERGED):
             raise PlantError(f"the simulation became unstable at {data.time:.3f} s")
         self._bound_q_star()
@@ -257,11 +269,11 @@ class Plant:
         self.counters.contact += plant_state.contacts > 0
 
     def _read(self) -> None:
-        """Read the joints of chi, and put those that mimic them where these are."""
+        """Read the joints of q, and put those that mimic them where these are."""
         if self._coordinates.direct:
-            return  # q and v are MuJoCo's own vectors
-        self._coordinates.read(self._data, self._q, self._v)
-        self._coordinates.couple(self._data, self._q, self._v)
+            return  # q and q' are MuJoCo's own vectors
+        self._coordinates.read(self._data, self._q, self._rates)
+        self._coordinates.couple(self._data, self._q, self._rates)
 
     def _bound_q_star(self) -> None:
         """Pull q* back where it has run away from q, e.g. against an obstacle."""

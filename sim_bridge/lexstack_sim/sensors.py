@@ -18,15 +18,17 @@ class SensorState:
 
     Attributes:
         random: of the noise and the slip.
-        past: the last positions and velocities, oldest first from ``at`` on, shape (k, 2, n).
+        past_q: the last positions, oldest first from ``at`` on, shape (k, nq).
+        past_v: the last velocities, likewise, shape (k, n).
         at: the place of the oldest one.
-        q: measured positions of this tick, shape (n,), m and rad.
+        q: measured positions of this tick, shape (nq,), m and rad.
         v: measured velocities of this tick, shape (n,), m/s and rad/s.
         grip: part of the commanded velocity that arrives in this tick, shape (n,).
     """
 
     random: np.random.Generator
-    past: Vector
+    past_q: Vector
+    past_v: Vector
     at: int
     q: Vector
     v: Vector
@@ -46,32 +48,33 @@ class Sensors:
     def __init__(self, config: PlantConfig, team: Team, period: float) -> None:
         """Read the scenario's numbers; ``period`` [s] is that of ``see``."""
         self._config = config
-        self._arms = _joints(team, [robot.arm for robot in team.robots])
-        self._bases = _joints(team, [robot.base for robot in team.robots])
+        self._arms = _places(team.q_slices, [robot.arm_q for robot in team.robots])
+        self._bases = _places(team.slices, [robot.base for robot in team.robots])
+        self._n = team.n
         self._age = round(config.latency / period)  # steps
         self.perfect = not (config.encoder_step or config.velocity_noise or self._age)
         self.slips = config.base_slip > 0.0
 
     def begin(self, q: Vector, seed: int) -> SensorState:
-        """Return the memory of a plant that has always been at rest at q, shape (n,)."""
-        past = np.zeros((self._age + 1, 2, q.size))
-        past[:, 0] = q
+        """Return the memory of a plant that has always been at rest at q, shape (nq,)."""
+        past_q, past_v = np.tile(q, (self._age + 1, 1)), np.zeros((self._age + 1, self._n))
         random = np.random.default_rng(seed)
-        state = SensorState(random, past, 0, q.copy(), np.zeros(q.size), np.ones(q.size))
+        still, whole = np.zeros(self._n), np.ones(self._n)
+        state = SensorState(random, past_q, past_v, 0, q.copy(), still, whole)
         self.measure(state, q, state.v)
         return state
 
     def see(self, state: SensorState, q: Vector, v: Vector) -> None:
-        """Keep the present positions and velocities, shape (n,) each, for later."""
-        state.past[state.at] = q, v
-        state.at = (state.at + 1) % len(state.past)
+        """Keep the present positions (nq,) and velocities (n,) for later."""
+        state.past_q[state.at], state.past_v[state.at] = q, v
+        state.at = (state.at + 1) % len(state.past_q)
 
     def measure(self, state: SensorState, q: Vector, v: Vector) -> None:
         """Write what is measured at the end of a tick, and draw the grip of the next one.
 
         Args:
             state: whose ``q``, ``v`` and ``grip`` are written.
-            q: true positions, shape (n,).
+            q: true positions, shape (nq,).
             v: true velocities, shape (n,).
         """
         step, noise, slip = (
@@ -79,7 +82,9 @@ class Sensors:
             self._config.velocity_noise,
             self._config.base_slip,
         )
-        state.q[:], state.v[:] = state.past[state.at] if self._age else (q, v)
+        if self._age:
+            q, v = state.past_q[state.at], state.past_v[state.at]
+        state.q[:], state.v[:] = q, v
         if step:
             state.q[self._arms] = step * np.round(state.q[self._arms] / step)
         if noise:
@@ -89,9 +94,11 @@ class Sensors:
             state.grip[self._bases] = 1.0 - lost
 
 
-def _joints(team: Team, parts: Sequence[slice]) -> Vector:
-    """Return the places in chi of a part of every robot."""
-    places = np.arange(team.n)
+def _places(wholes: Sequence[slice], parts: Sequence[slice]) -> Vector:
+    """Return the places of a part of every robot's vector, in the vectors of all."""
     return np.concatenate(
-        [places[whole][part] for whole, part in zip(team.slices, parts, strict=True)]
+        [
+            np.arange(whole.start, whole.stop)[part]
+            for whole, part in zip(wholes, parts, strict=True)
+        ]
     )

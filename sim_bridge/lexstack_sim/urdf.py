@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import pinocchio as pin
 
-from lexstack.robots import BASE_JOINTS, BaseConfig, RobotModel, build_base, urdf_text
+from lexstack.robots import BASE_JOINTS, AnyBase, RobotModel, along_axes, build_base, urdf_text
 from lexstack_sim.meshes import link_in_model
 
 _PLANAR = (("x", "prismatic", "1 0 0"), ("y", "prismatic", "0 1 0"), ("yaw", "continuous", "0 0 1"))
@@ -16,8 +16,9 @@ _PLANAR = (("x", "prismatic", "1 0 0"), ("y", "prismatic", "0 1 0"), ("yaw", "co
 def robot_urdf(robot: RobotModel) -> str:
     """Return the URDF of a robot as it stands in the frame ``world``.
 
-    Its joints bear the names of the robot's part of chi. Links of the robot's own URDF keep their
-    names, but for those of ``world``, the platform and the tools: they begin with ``arm_`` then.
+    Its joints bear the names of the entries of the robot's q. Links of the robot's own URDF keep
+    their names, but for those of ``world``, the platform and the tools: they begin with ``arm_``
+    then.
     """
     root = ET.Element("robot", name=robot.name)
     ET.SubElement(root, "link", name="world")
@@ -49,7 +50,7 @@ def robot_urdf(robot: RobotModel) -> str:
     return ET.tostring(root, encoding="unicode", xml_declaration=True)
 
 
-def _add_base(root: ET.Element, base: BaseConfig) -> None:
+def _add_base(root: ET.Element, base: AnyBase) -> None:
     """Add the joints and links of a platform."""
     links = ("world", "base_x_link", "base_y_link", "base")
     for link in links[1:-1]:
@@ -57,7 +58,10 @@ def _add_base(root: ET.Element, base: BaseConfig) -> None:
     for i, (joint, (_, kind, axis)) in enumerate(zip(BASE_JOINTS, _PLANAR, strict=True)):
         element = _joint(root, joint, kind, links[i], links[i + 1])
         ET.SubElement(element, "axis", xyz=axis)
-        limit = {"effort": str(base.servo_force[i]), "velocity": str(base.velocity[i])}
+        limit = {
+            "effort": str(along_axes(base.servo_force)[i]),
+            "velocity": str(along_axes(base.velocity)[i]),
+        }
         if kind == "prismatic":
             limit |= {"lower": "-1000", "upper": "1000"}
         ET.SubElement(element, "limit", limit)
@@ -114,7 +118,7 @@ def _plain(element: ET.Element) -> list[ET.Element]:
     return found
 
 
-def _add_platform(root: ET.Element, base: BaseConfig) -> None:
+def _add_platform(root: ET.Element, base: AnyBase) -> None:
     """Add the link ``base``: a box on four cylinders, with the inertia of the model's platform.
 
     An empty one where the robot's own URDF has the platform.

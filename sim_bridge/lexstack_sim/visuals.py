@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from lexstack.robots import BaseConfig, RobotModel, WheelsConfig
+from lexstack.robots import AnyBase, RobotModel, WheelsConfig
 from lexstack.types import Matrix, Vector
 from lexstack_sim.collada import Color, clustered, read_collada
 from lexstack_sim.meshes import Mesh, Shape, arm_shapes
@@ -41,7 +41,7 @@ def add_visuals(
         _add_chassis(spec, body, robot, base, (*tint, 1.0))
         for x in (base.wheels.x, -base.wheels.x):
             for y in (base.wheels.y, -base.wheels.y):
-                _add_wheel(body, base.wheels, x, y)
+                _add_wheel(body, base.wheels, x, y, rollers=not robot.differential)
     for shape in arm_shapes(robot, pin.GeometryType.VISUAL):
         _add_link(spec, bodies[shape.joint], robot, shape, tint)
 
@@ -97,7 +97,7 @@ def _add_floor(spec: mujoco.MjSpec) -> None:
 
 
 def _add_chassis(
-    spec: mujoco.MjSpec, body: mujoco.MjsBody, robot: RobotModel, base: BaseConfig, tint: Color
+    spec: mujoco.MjSpec, body: mujoco.MjsBody, robot: RobotModel, base: AnyBase, tint: Color
 ) -> None:
     """Add a rounded dark hull above the wheels, coloured skirts, a top plate, lamps in front."""
     length, width, _ = base.chassis_size
@@ -122,18 +122,22 @@ def _add_chassis(
     _box(body, (0.5 * length, 0, height), (0.014, 0.2, 0.06), tint)
 
 
-def _add_wheel(body: mujoco.MjsBody, wheels: WheelsConfig, x: float, y: float) -> None:
-    """Add a mecanum wheel: hub, two discs, and rollers at 45 degrees, mirrored like the real."""
+def _add_wheel(
+    body: mujoco.MjsBody, wheels: WheelsConfig, x: float, y: float, *, rollers: bool
+) -> None:
+    """Add a wheel: hub and discs; of mecanum with rollers at 45 degrees, mirrored like the real."""
     radius, half = wheels.radius, 0.5 * wheels.width
     sideways = (np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
     center = np.array([x, y, radius])
     for size, color in (
-        ((0.72 * radius, 0.8 * half, 0), _BLACK),
+        ((0.72 * radius if rollers else radius, 0.8 * half, 0), _BLACK),
         ((0.36 * radius, 1.02 * half, 0), _STEEL),
     ):
         body.add_geom(
             type=_CYLINDER, size=size, pos=center, quat=sideways, rgba=color, **_ONLY_SEEN
         )
+    if not rollers:
+        return
     slant = np.sign(x * y)
     thick = 0.2 * radius
     for angle in np.arange(_ROLLERS) * 2.0 * np.pi / _ROLLERS:

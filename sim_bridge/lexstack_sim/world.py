@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from lexstack.errors import ModelError
-from lexstack.robots import BASE_JOINTS, RobotModel, Team, slides
+from lexstack.robots import BASE_JOINTS, RobotModel, Team, along_axes, slides
 from lexstack.types import Vector
 from lexstack_sim.contacts import add_contacts, add_self_contacts, compiled
 from lexstack_sim.coordinates import following, joint_name
@@ -41,7 +41,7 @@ _RIGID = (0.9999, 0.9999, 0.001, 0.5, 2.0)  # solimp of what mimics: as stiff as
 def build_world(team: Team, *, visuals: bool = False) -> mujoco.MjModel:
     """Return the world of a team and its obstacles; ``Coordinates`` says where its joints are.
 
-    Controls are in chi's order.
+    Controls are in the order of q.
 
     Args:
         team: the robots.
@@ -153,7 +153,7 @@ def _armatures(robot: RobotModel) -> Vector:
     if robot.map is None:
         return armature
     matrix, names = robot.map.matrix, list(robot.pinocchio.names[1:])
-    for i, name in enumerate(robot.joints):
+    for i, name in enumerate(robot.coordinates):
         own = names.index(name)
         moved = [row for row in np.flatnonzero(matrix[:, i]) if row != own]
         share = armature[own] / (1 + len(moved))
@@ -169,7 +169,7 @@ def _add_joint(body: mujoco.MjsBody, robot: RobotModel, joint: int, armature: fl
     kind, axis = _motion(robot, joint)
     added = body.add_joint(name=joint_name(robot, name), type=kind, axis=axis, armature=armature)
     if name not in robot.joints:
-        return  # it mimics one that has them
+        return  # it mimics one that has them, or is a base's
     index = robot.joints.index(name)
     lower, upper = robot.limits.position_lower[index], robot.limits.position_upper[index]
     if np.isfinite(lower) and np.isfinite(upper):
@@ -253,9 +253,9 @@ def set_inertia(world: mujoco.MjModel, body: int, inertia: pin.Inertia) -> None:
 def _add_actuators(spec: mujoco.MjSpec, robot: RobotModel) -> None:
     """Add velocity servos with force limits to the base, plain torques to the arm."""
     base, arm = robot.config.base, robot.config.arm
-    gains = () if base is None else base.servo_gain
-    forces = (*(() if base is None else base.servo_force), *arm.torque)
-    for i, joint in enumerate(robot.joints):
+    gains = () if base is None else along_axes(base.servo_gain)
+    forces = (*(() if base is None else along_axes(base.servo_force)), *arm.torque)
+    for i, joint in enumerate(robot.coordinates):
         name = joint_name(robot, joint)
         actuator = spec.add_actuator(
             name=name,
@@ -281,7 +281,7 @@ def _add_mimics(spec: mujoco.MjSpec, robot: RobotModel) -> None:
             type=mujoco.mjtEq.mjEQ_JOINT,
             objtype=mujoco.mjtObj.mjOBJ_JOINT,
             name1=joint_name(robot, robot.pinocchio.names[1 + row]),
-            name2=joint_name(robot, robot.joints[leader]),
+            name2=joint_name(robot, robot.coordinates[leader]),
             solref=(2.0 * PHYSICS_PERIOD, 1.0),
             solimp=_RIGID,
         )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lexstack.errors import LexstackError
-from lexstack.robots import RobotModel, robot_from_urdf
+from lexstack.robots import RobotModel, Team, robot_from_urdf
 from lexstack_config.resolved import load_robot
 from support.plain_urdf import PlainUrdf, urdfs
 from support.scenario import CONFIG
@@ -35,9 +35,10 @@ REFUSED = {  # of the package's URDFs; every one in one line that begins with it
 
 def random_q(robot: RobotModel, rng: np.random.Generator) -> np.ndarray:
     """Return a configuration within the limits; joints without any turn up to 10 rad."""
-    lower, upper = robot.limits.position_lower, robot.limits.position_upper
+    lower, upper = robot.limits.position_lower[robot.arm], robot.limits.position_upper[robot.arm]
     free = ~np.isfinite(lower)
-    return rng.uniform(np.where(free, -10.0, lower), np.where(free, 10.0, upper))
+    arm = rng.uniform(np.where(free, -10.0, lower), np.where(free, 10.0, upper))
+    return np.concatenate((rng.uniform(-10.0, 10.0, robot.base_q.stop), arm))
 
 
 def same(found, expected):
@@ -86,8 +87,8 @@ def test_their_files_are_short_and_their_tools_hang_on_links(name):
         expected, _ = plain.frame(tool.parent)
         pose, _ = robot.at(q, robot.frame(frame))
         same(pose.position, expected.act(np.array(tool.xyz)))
-    limits = robot.limits
-    assert ((limits.position_lower <= q) & (q <= limits.position_upper)).all()
+    limits, places = robot.limits, Team((robot,), 0.01).joint_positions(q)
+    assert ((limits.position_lower <= places) & (places <= limits.position_upper)).all()
 
 
 @pytest.mark.parametrize("path", URDFS, ids=lambda path: path.rsplit("/", 1)[1])

@@ -36,9 +36,10 @@ def world_of(name):
 
 
 def random_q(robot, rng):
-    lower, upper = robot.limits.position_lower, robot.limits.position_upper
+    lower, upper = robot.limits.position_lower[robot.arm], robot.limits.position_upper[robot.arm]
     free = ~np.isfinite(lower)
-    return rng.uniform(np.where(free, -4.0, lower), np.where(free, 4.0, upper))
+    arm = rng.uniform(np.where(free, -4.0, lower), np.where(free, 4.0, upper))
+    return np.concatenate((rng.uniform(-4.0, 4.0, robot.base_q.stop), arm))
 
 
 def same(found, expected, scale=0.0):
@@ -57,12 +58,13 @@ def test_kinematics_mass_matrix_gravity_and_velocity_products_are_pinocchio_s(na
     (robot,), (world, places) = team_of(name).robots, world_of(name)
     data, rng = mujoco.MjData(world), np.random.default_rng(3)
     model, own = robot.pinocchio, robot.pinocchio.createData()
-    slopes = np.eye(robot.n) if robot.map is None else robot.map.matrix
+    slopes = np.eye(robot.nq) if robot.map is None else robot.map.matrix
     matrix = places.matrix
+    assert robot.differential == (name == "tiago")
     joints = range(1 + 2 * robot.has_base, model.njoints)
     bodies = [world.body(body_name(robot, joint)).id for joint in joints]
     for _ in range(SAMPLES):
-        q, v = random_q(robot, rng), rng.uniform(-1.0, 1.0, robot.n)
+        q, v = random_q(robot, rng), rng.uniform(-1.0, 1.0, robot.nq)
         places.put(data, q)
         data.qvel[:] = 0.0
         mujoco.mj_fwdPosition(world, data)
@@ -71,7 +73,8 @@ def test_kinematics_mass_matrix_gravity_and_velocity_products_are_pinocchio_s(na
         poses = [own.oMi[joint] for joint in joints]
         same(data.xpos[bodies], np.array([pose.translation for pose in poses]), 1.0)
         same(data.xmat[bodies], np.array([pose.rotation.ravel() for pose in poses]))
-        same(matrix.T @ mass_of(world, data) @ matrix, robot.mass_matrix(q))
+        chi = matrix @ robot.rate_matrix(q)  # qvel of each entry of chi
+        same(chi.T @ mass_of(world, data) @ chi, robot.mass_matrix(q))
         gravity = slopes.T @ pin.computeGeneralizedGravity(model, own, robot.positions(q))
         same(matrix.T @ data.qfrc_bias, gravity, 1.0)
         data.qvel[:] = matrix @ v

@@ -64,8 +64,11 @@ class PlainUrdf:
         return slopes
 
     def set(self, q: np.ndarray) -> None:
-        """Go to a configuration of the robot, shape (n,)."""
-        values = {**self.robot.config.arm.fixed, **dict(zip(self.robot.joints, q, strict=True))}
+        """Go to a configuration of the robot, shape (nq,)."""
+        values = {
+            **self.robot.config.arm.fixed,
+            **dict(zip(self.robot.coordinates, q, strict=True)),
+        }
         full = pin.neutral(self.model)
         self.map = self.slopes.copy()
         for i in range(1, self.model.njoints):
@@ -73,7 +76,10 @@ class PlainUrdf:
             if joint.nv == 3:  # the base: pinocchio's velocities are in its own frame
                 cos, sin = np.cos(q[2]), np.sin(q[2])
                 full[joint.idx_q : joint.idx_q + 4] = q[0], q[1], cos, sin
-                self.map[:3, :3] = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]
+                if self.robot.differential:
+                    self.map[:3, :2] = [[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]]
+                else:
+                    self.map[:3, :3] = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]
                 continue
             name, factor, offset = self._of(self.model.names[i])
             value = factor * values[name] + offset

@@ -51,10 +51,10 @@ def test_before_the_first_state_a_goal_needs_its_tick():
 
 def test_a_base_stands_only_where_it_does_not_move():
     part = team().slices[1]
-    assert base_at(None, part) is None
-    assert base_at(state_at(home()), part) == tuple(home()[part][:3])
+    assert base_at(None, team(), 1) is None
+    assert base_at(state_at(home()), team(), 1) == tuple(home()[part][:3])
     command = np.zeros(team().n)
     command[part.start + 2] = 0.1  # rad/s
-    assert base_at(state_at(home(), command), part) is None
+    assert base_at(state_at(home(), command), team(), 1) is None
     command[part.start + 2], command[part.start + 5] = 0.0, 0.1
-    assert base_at(state_at(home(), command), part) is not None, "an arm may move"
+    assert base_at(state_at(home(), command), team(), 1) is not None, "an arm may move"

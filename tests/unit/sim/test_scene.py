@@ -38,7 +38,7 @@ def test_every_robot_can_be_drawn(path):
     assert len(json.dumps(found)) < 900_000
     assert found["robots"] == ["robot_a", "robot_b"]
     joints = [joint for body in found["bodies"] for joint in body["joints"]]
-    assert {joint["index"] for joint in joints} == set(range(team.n))
+    assert {joint["index"] for joint in joints} == set(range(team.nq))
     leading = [joint for joint in joints if (joint["ratio"], joint["offset"]) == (1.0, 0.0)]
     assert len(leading) >= team.n
     assert all(body["parent"] < place for place, body in enumerate(found["bodies"]))

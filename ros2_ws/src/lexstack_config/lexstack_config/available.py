@@ -87,7 +87,10 @@ def _for_others(
     """Return which joints a stack limits of a robot that has not a single one of them, or ''."""
     for name, limits in stack.limits.items():
         robot = robots[scenario.robots[name].model]
-        base = () if robot.base is None else lexstack.robots.BASE_JOINTS
+        base: tuple[str, ...] = ()
+        if robot.base is not None:
+            differential = robot.base.type == "differential"
+            base = lexstack.robots.DRIVE if differential else lexstack.robots.BASE_JOINTS
         if limits and not {*base, *robot.arm.joints}.intersection(limits):
             return f"{name} has not {', '.join(limits)}"
     return ""

@@ -41,8 +41,8 @@ class PlantTopics:
         self._clock_every = max(1, round(rate / _CLOCK_RATE))
         self._tools_every = max(1, round(rate / _TOOLS_RATE))
         self._robots = [
-            (_RobotTopics(node, robot), part)
-            for robot, part in zip(team.robots, team.slices, strict=True)
+            (_RobotTopics(node, robot), at, part)
+            for robot, at, part in zip(team.robots, team.q_slices, team.slices, strict=True)
         ]
         self._frames = tie_frames(node, team.names)
 
@@ -70,8 +70,8 @@ class PlantTopics:
             self._clock.clock = to_time(state.stamp)
             self._clock_out.publish(self._clock)
         if state.tick % self._tools_every == 0:
-            for topics, part in self._robots:
-                topics.publish(state.stamp, state.q[part], state.v[part], effort[part])
+            for topics, at, part in self._robots:
+                topics.publish(state.stamp, state.q[at], state.v[part], effort[at])
 
 
 def tie_frames(node: Node, names: Sequence[str]) -> Publisher | None:
@@ -110,7 +110,7 @@ class _RobotTopics:
         self._following = following(robot)
         mimics = [robot.pinocchio.names[1 + row] for row in self._following]
         self._weightless = np.zeros(len(mimics))
-        self._joints = JointState(name=[*robot.joints, *mimics, *fixed])
+        self._joints = JointState(name=[*robot.coordinates, *mimics, *fixed])
         self._pose = PoseStamped()
         self._odometry = Odometry(child_frame_id=f"{name}/base")
         for message in (self._joints, self._pose, self._odometry):
@@ -124,17 +124,25 @@ class _RobotTopics:
         self._description_out.publish(String(data=robot_urdf(robot)))
 
     def publish(self, stamp: float, q: Vector, v: Vector, effort: Vector) -> None:
-        """Publish the robot's part of the state, all of shape (n_robot,)."""
+        """Publish the robot's part of the state.
+
+        Args:
+            stamp: simulated time [s].
+            q: positions, shape (nq_robot,).
+            v: velocities as chi, shape (n_robot,).
+            effort: along q, shape (nq_robot,).
+        """
         time = to_time(stamp)
         self._joints.header.stamp = self._pose.header.stamp = self._odometry.header.stamp = time
-        mimic_q, mimic_v = self._mimics(q, v)
+        rates = self._robot.rate_matrix(q) @ v if self._robot.differential else v
+        mimic_q, mimic_v = self._mimics(q, rates)
         self._joints.position = to_array(np.concatenate([q, mimic_q, self._fixed]))
-        self._joints.velocity = to_array(np.concatenate([v, mimic_v, self._nothing]))
+        self._joints.velocity = to_array(np.concatenate([rates, mimic_v, self._nothing]))
         self._joints.effort = to_array(np.concatenate([effort, self._weightless, self._nothing]))
         self._joints_out.publish(self._joints)
         self._publish_pose(q)
         if self._odometry_out is not None:
-            self._publish_odometry(q, v, self._odometry_out)
+            self._publish_odometry(q, rates, self._odometry_out)
 
     def _mimics(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
         """Return positions and velocities of the joints that mimic others."""

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         SphereConfig,
         Vector3,
         WheelsConfig,
+        along_axes,
     )
     from lexstack.robots.robot import RobotModel
     from lexstack.robots.robot_file import ArmFile, RobotFile, completed
@@ -43,7 +44,7 @@ else:
             "kinematics": "Kinematics Pose",
             "obstacles": "Obstacles",
             "options": "AnyBase ArmConfig BaseConfig DifferentialConfig FrameConfig ObstacleConfig "
-            "RobotConfig SphereConfig Vector3 WheelsConfig",
+            "RobotConfig SphereConfig Vector3 WheelsConfig along_axes",
             "robot": "RobotModel",
             "robot_file": "ArmFile RobotFile completed",
             "spatial": "from_quaternion from_rpy log3 to_quaternion wrap",
@@ -76,6 +77,7 @@ __all__ = [
     "Team",
     "Vector3",
     "WheelsConfig",
+    "along_axes",
     "build_base",
     "completed",
     "description_path",

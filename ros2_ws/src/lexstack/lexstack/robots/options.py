@@ -99,6 +99,13 @@ AnyBase = BaseConfig | DifferentialConfig
 """A base of any type, as its ``type`` says."""
 
 
+def along_axes(values: tuple[float, ...]) -> tuple[float, float, float]:
+    """Return values of a base along x, y and yaw: those along v and w count in every direction."""
+    if len(values) == 2:
+        return values[0], *values
+    return values[0], values[1], values[2]
+
+
 @dataclass(frozen=True, slots=True)
 class ArmConfig:
     """All that a URDF moves, one arm or several on a torso, with its limits and impedance.

@@ -21,7 +21,7 @@ from lexstack.types import Matrix
 from lexstack_bag.errors import BagError
 from lexstack_bag.figures.series import TimeSeries
 from lexstack_bag.run.partial_chi import joined
-from lexstack_bag.run.run import Run
+from lexstack_bag.run.run import POSITIONS, Run
 from lexstack_bag.storage.container import Progress
 from lexstack_bag.storage.folders import writing
 
@@ -42,13 +42,14 @@ Columns = Mapping[str, NDArray[Any]]
 
 @dataclass(frozen=True, slots=True)
 class _Kind:
-    """What a vector over the joints is: the units of its entries."""
+    """What a vector over the joints is: the units of its entries, and whether it is as q or chi."""
 
     linear: str
     angular: str
+    of_q: bool
 
 
-_POSITION, _VELOCITY = _Kind("m", "rad"), _Kind("m/s", "rad/s")
+_POSITION, _VELOCITY = _Kind("m", "rad", of_q=True), _Kind("m/s", "rad/s", of_q=False)
 
 
 def tables(run: Run, time_series: TimeSeries) -> dict[str, Columns]:
@@ -131,7 +132,7 @@ def _stream(stream: Any, team: Team) -> Columns:
                 for k, column in enumerate(np.asarray(values).T)
             }
         elif field.type in ("Matrix", "Single"):
-            kind = _POSITION if name in ("q", "q_star") else _VELOCITY
+            kind = _POSITION if name in POSITIONS else _VELOCITY
             columns |= _joints(name, values, team, kind)
         elif name not in _LEFT_OUT:
             unit = _UNITS.get(name)
@@ -183,5 +184,9 @@ def _entries(team: Team, kind: _Kind) -> Sequence[tuple[str, str, str]]:
     return [
         (robot.name, joint, kind.linear if slides else kind.angular)
         for robot in team.robots
-        for joint, slides in zip(robot.joints, robot.prismatic, strict=True)
+        for joint, slides in (
+            zip(robot.coordinates, robot.sliding, strict=True)
+            if kind.of_q
+            else zip(robot.joints, robot.prismatic, strict=True)
+        )
     ]

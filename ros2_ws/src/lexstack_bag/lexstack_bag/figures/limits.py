@@ -70,7 +70,7 @@ def _led(
     """Yield the limits tick by tick, on the way to those that are wanted."""
     scenario = run.resolved.scenario
     options = LimitOptions(run.period, scenario.limit_jerk, scenario.transition.limits_move)
-    law, now = LimitsInForce(team.limits, options), team.limits
+    law, now = LimitsInForce(team.limits, options, team.joint_positions), team.limits
     states = {state.tick: state for state in _states(run.plant)}
     limited = np.isin(run.transition.method, tuple(JERK_LIMITED))
     with_jerk = set(run.transition.tick[limited].tolist())

@@ -73,7 +73,7 @@ def measure(run: Run, progress: Progress = lambda _part: None) -> TimeSeries:
 def _bases(team: Team, q: Matrix) -> NDArray[np.float64]:
     """Return x, y, yaw of the bases at every row of q, shape (T, N, 3); of none, its mounting."""
     found = [
-        q[:, part][:, robot.base]
+        q[:, part][:, robot.base_q]
         if robot.has_base
         else np.tile(robot.base_pose(q[0, part]), (len(q), 1))
         for robot, part in zip(team.robots, team.q_slices, strict=True)

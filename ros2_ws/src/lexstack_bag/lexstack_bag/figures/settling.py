@@ -77,6 +77,6 @@ def posture_errors(run: Run, team: Team, stack: str) -> dict[str, Vector]:
         where = f"stack {stack}: posture"
         parameters = build(PostureParameters, task.parameters, where)
         target = posture_target(team.robots[robot], parameters, where)
-        arm = run.plant.q[:, team.slices[robot]][:, team.robots[robot].arm]
+        arm = run.plant.q[:, team.q_slices[robot]][:, team.robots[robot].arm_q]
         found[name] = 1e3 * np.linalg.norm(arm - target, axis=1)
     return found

@@ -29,7 +29,6 @@ from lexstack_bag.report.traces import (
 )
 from lexstack_bag.run.run import Run, TransitionPhase
 
-_BASE_NAMES = ("base x", "base y", "base yaw")
 _LEAST = 1e-9  # m/s, rad/s: a logarithm has no zero
 _UNDER_WAY = (TransitionPhase.PREPARING, TransitionPhase.BLENDING, TransitionPhase.ADOPTING)
 
@@ -168,11 +167,7 @@ def joints(run: Run) -> tuple[str, ...]:
     labels = []
     for robot in run.team().robots:
         for place, (joint, slides) in enumerate(zip(robot.joints, robot.prismatic, strict=True)):
-            name = _BASE_NAMES[place] if place < len(_BASE_NAMES) else _arm(place, joint)
+            arm = place - robot.base.stop
+            name = f"arm joint {arm + 1} ({joint})" if arm >= 0 else joint.replace("_", " ")
             labels.append(f"{robot.name} {name} [{'m/s' if slides else 'rad/s'}]")
     return tuple(labels)
-
-
-def _arm(place: int, joint: str) -> str:
-    """Return what a joint of an arm is called: its place, and its name in the description."""
-    return f"arm joint {place - len(_BASE_NAMES) + 1} ({joint})"

@@ -20,7 +20,7 @@ from lexstack_bag.run.partial_chi import joined
 from lexstack_bag.run.run import Run
 
 SOURCE = "robot_b"  # whose chi is the target of a transition
-_BASE_NAMES = ("x", "y", "yaw")
+_BASE = 3  # colours that bases have for themselves
 _TITLE = Markup("{} {} → {}: χ<sub>B</sub> and the command")
 _CAPTION = Markup(
     "Fig. {} of the paper. Dashed: χ<sub>B</sub>, the solver's solution of <b>{}</b>, which "
@@ -49,11 +49,18 @@ def _switch(run: Run, label: str, before: Phase, phase: Phase, grid: Grid) -> Fi
     team = run.team()
     parts, units = team.slices, [speed for robot in team.robots for speed in _speeds(robot)]
     traces: list[Plain] = []
-    for column, part in enumerate(parts):
-        for row, (start, stop) in enumerate(((0, 3), (3, part.stop - part.start))):
-            plot = row * len(parts) + column + 1
-            joints = range(part.start + start, part.start + stop)
-            traces += _solutions(run, joints, units, plot, span, grid, legend=column == 0)
+    for column, (robot, part) in enumerate(zip(team.robots, parts, strict=True)):
+        names = [joint.removeprefix("base_") for joint in robot.joints[robot.base]]
+        called = (*names, *(f"joint {k + 1}" for k in range(robot.n - len(names))))
+        for row, own in enumerate((robot.base, robot.arm)):
+            entries = [
+                (joint, name, JOINTS[(row * _BASE + k) % len(JOINTS)])
+                for k, (joint, name) in enumerate(
+                    zip(range(part.start, part.stop)[own], called[own], strict=True)
+                )
+            ]
+            style = {"row": row * len(parts) + column + 1, "legend": column == 0}
+            traces += _solutions(run, entries, units, span, grid, style)
     lines = [(phase.start, "solid"), (phase.adopted, "dot")]
     shapes = [
         vertical(time, f"x{column + 1}" if column else "x", dash)
@@ -77,24 +84,27 @@ def _switch(run: Run, label: str, before: Phase, phase: Phase, grid: Grid) -> Fi
 
 def _solutions(
     run: Run,
-    joints: range,
+    entries: Sequence[tuple[int, str, str]],
     units: Sequence[str],
-    plot: int,
     span: tuple[float, float],
     grid: Grid,
-    *,
-    legend: bool,
+    where: dict[str, Any],
 ) -> list[Plain]:
-    """Return chi_B dashed and the command solid for some joints of chi."""
+    """Return chi_B dashed and the command solid for some entries of chi.
+
+    Args:
+        run: that was recorded.
+        entries: places in chi, with their names and colours.
+        units: of all entries of chi.
+        span: of time [s].
+        grid: of the times.
+        where: the plot, and whether its lines are in the legend.
+    """
     command = run.chi[COMMANDER]
     source = joined(run, SOURCE) if SOURCE in run.chi else None
-    base = len(joints) == len(_BASE_NAMES)
     traces: list[Plain] = []
-    for k, joint in enumerate(joints):
-        name = _BASE_NAMES[k] if base else f"joint {k + 1}"
-        style: dict[str, Any] = {"row": plot, "legend": legend, "unit": units[joint]}
-        place = k if base else len(_BASE_NAMES) + k
-        color = JOINTS[place % len(JOINTS)]
+    for joint, name, color in entries:
+        style: dict[str, Any] = where | {"unit": units[joint]}
         if source is not None and np.any((source.stamp >= span[0]) & (source.stamp <= span[1])):
             series = grid.window(source.tick, source.chi[:, joint], *span)
             dashed = {"legendgroup": name, "showlegend": False}
@@ -113,7 +123,7 @@ def _speeds(robot: RobotModel) -> list[str]:
 
 def _arm_units(robot: RobotModel) -> list[str]:
     """Return the units of an arm's velocities, each once."""
-    return sorted(set(_speeds(robot)[len(_BASE_NAMES) :]))
+    return sorted(set(_speeds(robot)[robot.arm]))
 
 
 def _paper_figure(label: str) -> str:

@@ -14,6 +14,7 @@ from typing import Any, Generic, Literal, Protocol, TypeVar
 import numpy as np
 
 from lexstack_bag.run.run import (
+    POSITIONS,
     ChiStream,
     PlanStream,
     PlantStream,
@@ -50,7 +51,7 @@ class StreamBuilder(Generic[T]):
             that cannot be.
     """
 
-    def __init__(self, kind: type[T], n: int, keep: Keep) -> None:
+    def __init__(self, kind: type[T], n: int, keep: Keep, nq: int | None = None) -> None:
         """Start empty.
 
         Args:
@@ -59,13 +60,15 @@ class StreamBuilder(Generic[T]):
             keep: which messages of a tick. Unless all, begin anew where the ticks do: at a reset
                 of the plant. A paused plant tells a tick again; a source answers again when it is
                 asked for another stack.
+            nq: length of q and q*; None: that of chi.
         """
         self._kind = kind
         self._n = n
+        self._lengths = dict.fromkeys(POSITIONS, n if nq is None else nq)
         self._keep = keep
         self.replaced: StreamBuilder[T] | None = None
         if keep == "last":
-            self.replaced = StreamBuilder(kind, n, "all")
+            self.replaced = StreamBuilder(kind, n, "all", nq)
         self._restart()
 
     def add(self, message: Any, sent: int = 0) -> bool:
@@ -75,7 +78,7 @@ class StreamBuilder(Generic[T]):
         if anew:
             self._restart()
             if self.replaced is not None:
-                self.replaced = StreamBuilder(self._kind, self._n, "all")
+                self.replaced = StreamBuilder(self._kind, self._n, "all", self._lengths["q"])
         if self._keep == "last":
             if tick == self._last and self._waiting is not None and self.replaced is not None:
                 self.replaced.add(*self._waiting)
@@ -111,7 +114,7 @@ class StreamBuilder(Generic[T]):
         self._last = -1
         self._waiting: tuple[Any, int] | None = None
         self._columns = {
-            field.name: _COLUMNS[str(field.type)](self._n)
+            field.name: _COLUMNS[str(field.type)](self._lengths.get(field.name, self._n))
             for field in dataclasses.fields(self._kind)
         }
 

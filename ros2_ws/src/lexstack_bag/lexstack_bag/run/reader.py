@@ -163,7 +163,7 @@ class _Collector:
         self._resolved = resolved
         self._counts: dict[str, int] = defaultdict(int)
         self.losses: dict[str, LossCounter] = defaultdict(LossCounter)
-        self._plant = StreamBuilder(PlantStream, team.n, "first")
+        self._plant = StreamBuilder(PlantStream, team.n, "first", team.nq)
         self._transition = StreamBuilder(TransitionStream, team.n, "all")
         self._chi = {topic: ChiBuilder(team) for topic in (COMMAND, SOLUTION)}
         scenario = resolved.scenario

@@ -36,6 +36,10 @@ Single = NDArray[np.float32]  # to look at: nothing is computed anew from it
 Ragged = NDArray[np.float64]  # rows of different lengths: nan at their ends
 
 
+POSITIONS = ("q", "q_star")
+"""The fields of ``PlantStream`` that are positions, of length nq; the others are as chi."""
+
+
 class SolveStatus(IntEnum):
     """``status`` of ``Chi``."""
 
@@ -50,9 +54,9 @@ class PlantStream:
 
     tick: Integers  # (T,)
     stamp: Vector  # (T,) s
-    q: Matrix  # (T, n) measured
+    q: Matrix  # (T, nq) measured
     v: Matrix  # (T, n) measured
-    q_star: Matrix  # (T, n) Euler integral of the commands
+    q_star: Matrix  # (T, nq) integral of the commands
     command: Matrix  # (T, n) the chi that was accepted last
     status: Integers  # (T,) of PlantStatus
     late_ticks: Integers  # (T,) so far

@@ -122,7 +122,7 @@ def run(
     small = scenario(resolved, case)
     parts = Parts.of(small)
     damper = LAWS[law](parts.team, parts.dt)
-    box = LimitsInForce(parts.team.limits, LimitOptions(parts.dt, jerk))
+    box = LimitsInForce(parts.team.limits, LimitOptions(parts.dt, jerk), parts.team.joint_positions)
     controller = build_controller(small, parts, box=box, damper=damper)
     plant = IdealPlant(small, parts.team)
     starts = parts.team.tools(plant.state().q)

@@ -96,9 +96,9 @@ def to_state(message: PlantState, team: Team) -> RobotState:
     return RobotState(
         message.tick,
         to_seconds(message.header.stamp),
-        to_vector(message.q, team.n, f"{where}: q"),
+        to_vector(message.q, team.nq, f"{where}: q"),
         to_vector(message.v, team.n, f"{where}: v"),
-        to_vector(message.q_star, team.n, f"{where}: q_star"),
+        to_vector(message.q_star, team.nq, f"{where}: q_star"),
         to_vector(message.command, team.n, f"{where}: command"),
     )
 

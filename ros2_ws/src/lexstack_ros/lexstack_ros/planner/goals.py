@@ -149,6 +149,8 @@ def wanted_of(
     robot = team.names.index(goal.robot)
     if not team.robots[robot].has_base:
         raise InputError(f"robot: {goal.robot} has no base, and the MPC needs one")
+    if team.robots[robot].differential:
+        raise InputError(f"robot: {goal.robot}: its base is differential, the MPC's is holonomic")
     architecture = goal.architecture or "ht"
     if architecture not in ARCHITECTURES:
         known = ", ".join(ARCHITECTURES)
@@ -165,14 +167,16 @@ def wanted_of(
     return Wanted(robot, tasks, architecture, at_tick, begin)
 
 
-def base_at(state: RobotState | None, part: slice) -> tuple[float, float, float] | None:
+def base_at(state: RobotState | None, team: Team, robot: int) -> tuple[float, float, float] | None:
     """Return where a robot's base stands [m, m, rad]; None where it moves, or is not known.
 
     Args:
         state: the newest one.
-        part: the robot's joints in it, its base first.
+        team: the robots.
+        robot: its place among them.
     """
-    if state is None or np.abs(state.command[part][:3]).max() > _RESTS:
+    model = team.robots[robot]
+    if state is None or np.abs(state.command[team.slices[robot]][model.base]).max() > _RESTS:
         return None
-    x, y, yaw = map(float, state.q[part][:3])
+    x, y, yaw = map(float, state.q[team.q_slices[robot]][model.base_q])
     return x, y, yaw

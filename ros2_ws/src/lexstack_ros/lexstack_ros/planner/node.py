@@ -61,7 +61,11 @@ class HtmpcNode(Node):
         self._meter = Meter()
         self._failures = 0
         self._runners: dict[int, SequenceRunner] = {}
-        driving = {i: robot for i, robot in enumerate(self._team.robots) if robot.has_base}
+        driving = {
+            i: robot
+            for i, robot in enumerate(self._team.robots)
+            if robot.has_base and not robot.differential
+        }
         self._reach = {i: Reach(robot, self._team.obstacles) for i, robot in driving.items()}
         named = {entry.robot for entry in scenario.sequences.values()}
         for robot in sorted(map(self._team.index, named or scenario.robots)):
@@ -93,7 +97,7 @@ class HtmpcNode(Node):
         try:
             wanted = wanted_of(goal, self._team, self._state, self._every, self._horizon)
             self._follow_client.check(goal.robot)
-            base = base_at(self._state, self._team.slices[wanted.robot])
+            base = base_at(self._state, self._team, wanted.robot)
             self._reach[wanted.robot].check(wanted.tasks, wanted.architecture, base)
         except InputError as error:
             # The action's answer has no room for the reason.

@@ -95,7 +95,7 @@ class ViewNode(Node):
             return
         state = deserialize_message(self._state, PlantState)
         try:
-            to_vector(state.q, self._team.n, "/plant/state: q")
+            to_vector(state.q, self._team.nq, "/plant/state: q")
         except InputError:
             return
         now = to_seconds(state.header.stamp)

@@ -83,7 +83,7 @@ class SequenceRunner:
         self.sequence: Sequence | None = None
         self._team = team
         self._model = team.robots[robot]
-        self._columns = team.slices[robot]
+        self._columns, self._place = team.slices[robot], team.q_slices[robot]
         self._others = [i for i in range(len(team.robots)) if i != robot]
         self._optimiser = Htmpc(self._model, config)
         self._plan: Plan | None = None
@@ -92,7 +92,7 @@ class SequenceRunner:
 
     def pose(self, state: RobotState) -> RobotPose:
         """Return where the robot is."""
-        return RobotPose.of(self._model, state.stamp, state.q[self._columns])
+        return RobotPose.of(self._model, state.stamp, state.q[self._place])
 
     def begin(
         self, tasks: tuple[SequenceTask, ...], architecture: Architecture, state: RobotState
@@ -156,7 +156,7 @@ class SequenceRunner:
         pose = self.pose(state)
         sequence = self.sequence = self.sequence.advanced(pose)
         times = state.stamp + self._optimiser.horizon.times[1:]
-        start = Start(state.stamp, state.q[self._columns], self._velocity(state))
+        start = Start(state.stamp, state.q[self._place], self._velocity(state))
         around = self._collision_scene(state, times)
         plan = self._optimiser.solve(start, sequence.objectives(times), self._plan, around)
         self._plan = plan if plan.solved else None
