@@ -1,39 +1,35 @@
-"""A task of your own: the tool keeps a height, and everything else is left to the levels below."""
+"""A task of your own is a function: from the configuration to a Jacobian and what it shall do.
+
+The tool keeps a height, J_z v = 2/s (height - z), and everything else is left to the levels below:
+there a second function drives the tool round in a circle.
+"""
 
 import numpy as np
 
-import lexstack
+import lexstack as lx
+
+home = {"shoulder_lift_joint": -1.0, "elbow_joint": 1.5, "wrist_2_joint": 1.0}  # rad
+robot = lx.Robot.from_urdf("ur_description/urdf/ur10_robot.urdf", home=home)
 
 
-class Height:
-    """The tool's z goes to a height [m] with a gain of 2 / s: one row of its Jacobian."""
-
-    name, robots = "robot/height", (0,)
-
-    def __init__(self, team: lexstack.Team, height: float) -> None:
-        """Make the task of the team's first robot."""
-        self.joints, self.n, self.height = team.slices[0], team.n, height
-
-    def linearise(
-        self, kinematics: lexstack.Kinematics, _references: lexstack.References
-    ) -> lexstack.LinearTask:
-        """Return the row at the present state."""
-        row = np.zeros((1, self.n))
-        row[0, self.joints] = kinematics.jacobians[0][2]
-        error = self.height - kinematics.tools[0].position[2]
-        return lexstack.LinearTask.equality(self.name, row, np.array([2.0 * error]))
+def height(at):
+    """Return one row: the tool's z goes to 0.4 m."""
+    pose, jacobian = at.frame("tool0")
+    return jacobian[2:3], 2.0 * (0.4 - pose.position[2:3])
 
 
-home = (0.0, -1.0, 1.5, -0.5, 1.0, 0.0)  # rad
-ur10 = lexstack.mobile_manipulator("ur_description/urdf/ur10_robot.urdf", "tool0", home)
-team = lexstack.Team((lexstack.RobotModel("robot", ur10),), dt=0.01)
-posture = lexstack.TASKS["posture"](team, 0, {}, "posture")
-levels = tuple(lexstack.Level((task,), (1.0,)) for task in (Height(team, 1.2), posture))
-stacks = {"raised": lexstack.Stack("raised", levels)}
-options = lexstack.TransitionOptions("raised", lexstack.TransitionConfig(duration=1.0))
-controller = lexstack.make_controller(team, stacks, options)
+def circle(at):
+    """Return two rows: the tool's x and y follow a circle, whose velocity is added."""
+    pose, jacobian = at.frame("tool0")
+    cos, sin = 0.1 * np.cos(at.time), 0.1 * np.sin(at.time)  # m
+    goal, velocity = centre + [cos, sin], np.array([-sin, cos])
+    return jacobian[:2], velocity + 3.0 * (goal - pose.position[:2])
 
-state = lexstack.RobotState.at_rest(team.home())
-for _ in range(400):
-    state = state.after(controller.tick(state).chi, team.dt)
-print(f"the tool is at a height of {team.tools(state.q)[0].position[2]:.3f} m")
+
+centre = robot.configuration(robot.home).frame("tool0").pose.position[:2]
+levels = [lx.OwnTask("height", height), lx.OwnTask("circle", circle), lx.Posture()]
+run = lx.Lockstep(robot, lx.Stack(levels), dt=0.01)
+run.until(10.0)
+path = run.record().path("tool0")
+print(f"the tool is at a height of {path[-1, 2]:.3f} m")
+print(f"the circle's radius is {np.linalg.norm(path[-1, :2] - centre):.3f} m")

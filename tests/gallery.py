@@ -1,4 +1,4 @@
-"""Makes the documents' pictures anew: report, 3-D view and live page by Chromium, and robots."""
+"""Makes the documents' pictures anew: report and live page by Chromium, robots, examples."""
 
 from __future__ import annotations
 
@@ -18,6 +18,9 @@ from lexstack_sim.render import Renderer
 from support.browser import Browser, find_browser
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "scripts"))
+from website import examples  # noqa: E402
+
 IMAGES = ROOT / "docs/images"
 COLORS = 192  # of a picture: small files, and no difference to see
 
@@ -89,8 +92,14 @@ def main() -> int:
     )
     parser.add_argument("--delivery", type=Path, help="run folder of the demo delivery; no others")
     parser.add_argument("--at", type=float, default=18.3, help="time of the 3-D view [s]")
+    parser.add_argument(
+        "--examples", nargs="*", metavar="NAME", help="run and draw examples, or all; no others"
+    )
     parser.add_argument("--robots", action="store_true", help="draw config/robots; no others")
     options = parser.parse_args()
+    if options.examples is not None:
+        examples.write(tuple(options.examples))
+        return 0
     if options.robots:
         robots()
         return 0

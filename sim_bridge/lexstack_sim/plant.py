@@ -45,8 +45,20 @@ class Plant:
         notes: what is not simulated as the robots' files say, one line each.
     """
 
-    def __init__(self, resolved: ResolvedScenario, team: Team, seed: int = 0) -> None:
+    def __init__(
+        self,
+        resolved: ResolvedScenario,
+        team: Team,
+        seed: int = 0,
+        start: Vector | None = None,
+    ) -> None:
         """Build the world of a scenario and put the robots where they start.
+
+        Args:
+            resolved: the scenario.
+            team: its robots.
+            seed: of everything random in the plant.
+            start: where they start, shape (n,), m and rad; None: where the scenario says.
 
         Raises:
             ConfigurationError: the control period is not a multiple of the physics step, or a
@@ -63,7 +75,7 @@ class Plant:
                 f"{1e3 * PHYSICS_PERIOD:g} ms, got {1e3 * self.period:g} ms"
             )
         self._watchdog = round(scenario.timeouts.watchdog / self.period)  # ticks
-        self._home = home_of(team, resolved)
+        self._home = home_of(team, resolved) if start is None else start
         self._distance = per_joint(team, "q_star_distance", "q_star_distance")
         self._step_limit = team.limits.acceleration * self.period
         self.notes = notes(team, self._home)

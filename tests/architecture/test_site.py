@@ -12,7 +12,7 @@ import sys
 import pytest
 
 from support.code_blocks import ROOT, all_blocks
-from website import docstrings, fences, figures, links, network
+from website import docstrings, examples, fences, figures, links, network
 
 EQUATIONS = [pytest.param(b.text, id=b.name) for b in all_blocks() if b.language == "math"]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
@@ -32,10 +32,20 @@ PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
         ("README.md", "[a](https://x.org/docs/b) [c](#d)", "[a](https://x.org/docs/b) [c](#d)"),
         ("README.md", "```sh\n[a](docs/b.md)\n```\n", "```sh\n[a](docs/b.md)\n```\n"),
         ("README.md", "<!-- from a.b-c -->2<!-- / --> times", "2 times"),
+        ("docs/examples.md", "[a](../examples/own_arm.py)", "[a](examples/own_arm.py)"),
     ],
 )
 def test_links_and_markers_of_a_document_become_those_of_its_page(path, text, moved):
     assert links.page(text, path) == moved
+
+
+def test_the_page_of_examples_shows_every_program_with_its_picture():
+    shown = links.page((ROOT / "docs/examples.md").read_text(encoding="utf-8"), "docs/examples.md")
+    for path in links.EXAMPLES:
+        assert f"```python\n{path.read_text(encoding='utf-8').rstrip()}\n```" in shown
+        assert f"](images/examples/{path.stem}.png)" in shown
+    pictures = {path.stem for path in (ROOT / "docs/images/examples").iterdir()}
+    assert pictures == {path.stem for path in links.EXAMPLES} == set(examples.DRAWINGS)
 
 
 @pytest.mark.parametrize("text", EQUATIONS)
@@ -116,8 +126,9 @@ def test_a_list_begins_after_an_empty_line(page):
 
 
 def test_a_broken_link_ends_the_build(tmp_path):
+    (tmp_path / "examples").mkdir()
     for name in ("mkdocs.yml", *links.PAGES, *links.FILES):
-        shutil.copy(ROOT / name, tmp_path)
+        shutil.copy(ROOT / name, tmp_path / name)
     shutil.copytree(ROOT / "docs", tmp_path / "docs")
     for folder in ("scripts/website", "ros2_ws/src"):
         (tmp_path / folder).parent.mkdir(exist_ok=True)

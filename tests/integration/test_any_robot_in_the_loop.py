@@ -27,7 +27,7 @@ def loop_of(name, second):
     controller = lexstack.make_controller(team, stacks, options)
     solver = lexstack.make_stack_solver(team, stacks)
     plant = lexstack.ExactPlant(team.home(), DT, team)
-    return team, controller, plant, lexstack.Lockstep(team, controller, solver, plant)
+    return team, controller, plant, lexstack.control.Lockstep(team, controller, solver, plant)
 
 
 @pytest.mark.parametrize("name", TWELVE)

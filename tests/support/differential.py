@@ -35,7 +35,7 @@ def loop(team, stacks, first, bases=None, duration=1.0):
     controller = lexstack.make_controller(team, built, options)
     plant = lexstack.ExactPlant(team.home(bases), team.dt, team)
     solver = lexstack.make_stack_solver(team, built)
-    return controller, plant, lexstack.Lockstep(team, controller, solver, plant)
+    return controller, plant, lexstack.control.Lockstep(team, controller, solver, plant)
 
 
 def random_q(robot: lexstack.RobotModel, rng: np.random.Generator) -> np.ndarray:

@@ -37,11 +37,19 @@ if TYPE_CHECKING:
         Command,
         Controller,
         ExactPlant,
-        Lockstep,
+        HqpController,
+        HqpResult,
+        Record,
         StackSolver,
+        Track,
         make_controller,
         make_stack_solver,
+        solve_hqp,
+        track,
+        track_base,
     )
+    from lexstack.control.planning import Htmpc
+    from lexstack.control.run import Lockstep
     from lexstack.errors import ConfigurationError, InputError, LexstackError, ModelError
     from lexstack.hqp import (
         SOLVERS,
@@ -60,7 +68,6 @@ if TYPE_CHECKING:
         HT_ARCH,
         ST_ARCH,
         CollisionScene,
-        Htmpc,
         HtmpcConfig,
         Objective,
         OtherRobot,
@@ -83,28 +90,51 @@ if TYPE_CHECKING:
     )
     from lexstack.robots import (
         BaseConfig,
+        Configuration,
         DifferentialConfig,
         Kinematics,
         ObstacleConfig,
         Obstacles,
         Pose,
+        Robot,
         RobotConfig,
         RobotModel,
+        SphereConfig,
         Team,
         mobile_manipulator,
         robot_from_urdf,
     )
     from lexstack.tasks import (
         TASKS,
+        JointLimitConfig,
         Level,
         LevelConfig,
-        Stack,
         StackConfig,
         Task,
         TaskConfig,
         build_stack,
         register_task,
     )
+    from lexstack.tasks.specs.bodies import (
+        BasePose,
+        CentreOfMass,
+        JointCoupling,
+        Manipulability,
+        Posture,
+        RelativePose,
+        VelocityDamping,
+    )
+    from lexstack.tasks.specs.directed import (
+        AxisAlignment,
+        CollisionAvoidance,
+        Cone,
+        FrameVelocityLimit,
+        HalfSpace,
+        LookAt,
+    )
+    from lexstack.tasks.specs.frames import FrameOrientation, FramePose, FramePosition
+    from lexstack.tasks.specs.own import OwnTask
+    from lexstack.tasks.specs.stack import Stack
     from lexstack.transition import (
         METHODS,
         Announcement,
@@ -122,20 +152,30 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
-            "control": "Command Controller ExactPlant Lockstep StackSolver "
-            "make_controller make_stack_solver",
+            "control": "Command Controller ExactPlant HqpController HqpResult Record StackSolver "
+            "Track make_controller make_stack_solver solve_hqp track track_base",
+            "control.planning": "Htmpc",
+            "control.run": "Lockstep",
             "errors": "ConfigurationError InputError LexstackError ModelError",
             "hqp": "SOLVERS HqpProblem HqpSolver Solution Status describe "
             "explain_unmet_levels make_solver register_solver",
             "limits": "Bounds JointLimits LimitOptions LimitsInForce viable_bounds",
-            "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH Htmpc HtmpcConfig Objective OtherRobot "
+            "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH HtmpcConfig Objective OtherRobot "
             "Plan SequenceRunner SequenceTask Start CollisionScene",
             "references": "MotionLimits ReferenceSchedule References Spline Target Trajectory "
             "Twist Waypoints base_spline timed_waypoints",
-            "robots": "BaseConfig DifferentialConfig Kinematics ObstacleConfig Obstacles Pose "
-            "RobotConfig RobotModel Team mobile_manipulator robot_from_urdf",
-            "tasks": "TASKS Level LevelConfig Stack StackConfig Task TaskConfig build_stack "
-            "register_task",
+            "robots": "BaseConfig Configuration DifferentialConfig Kinematics ObstacleConfig "
+            "Obstacles Pose Robot RobotConfig RobotModel SphereConfig Team mobile_manipulator "
+            "robot_from_urdf",
+            "tasks": "TASKS JointLimitConfig Level LevelConfig StackConfig Task TaskConfig "
+            "build_stack register_task",
+            "tasks.specs.bodies": "BasePose CentreOfMass JointCoupling Manipulability Posture "
+            "RelativePose VelocityDamping",
+            "tasks.specs.directed": "AxisAlignment CollisionAvoidance Cone FrameVelocityLimit "
+            "HalfSpace LookAt",
+            "tasks.specs.frames": "FrameOrientation FramePose FramePosition",
+            "tasks.specs.own": "OwnTask",
+            "tasks.specs.stack": "Stack",
             "transition": "METHODS Announcement Phase SourceSample SourceSchedule "
             "Transition TransitionConfig TransitionOptions TransitionState register_method",
             "types": "LinearTask Matrix RobotState Vector",
@@ -150,19 +190,34 @@ __all__ = [
     "ST_ARCH",
     "TASKS",
     "Announcement",
+    "AxisAlignment",
     "BaseConfig",
+    "BasePose",
     "Bounds",
+    "CentreOfMass",
+    "CollisionAvoidance",
     "CollisionScene",
     "Command",
+    "Cone",
+    "Configuration",
     "ConfigurationError",
     "Controller",
     "DifferentialConfig",
     "ExactPlant",
+    "FrameOrientation",
+    "FramePose",
+    "FramePosition",
+    "FrameVelocityLimit",
+    "HalfSpace",
+    "HqpController",
     "HqpProblem",
+    "HqpResult",
     "HqpSolver",
     "Htmpc",
     "HtmpcConfig",
     "InputError",
+    "JointCoupling",
+    "JointLimitConfig",
     "JointLimits",
     "Kinematics",
     "Level",
@@ -172,6 +227,8 @@ __all__ = [
     "LimitsInForce",
     "LinearTask",
     "Lockstep",
+    "LookAt",
+    "Manipulability",
     "Matrix",
     "ModelError",
     "MotionLimits",
@@ -179,11 +236,16 @@ __all__ = [
     "ObstacleConfig",
     "Obstacles",
     "OtherRobot",
+    "OwnTask",
     "Phase",
     "Plan",
     "Pose",
+    "Posture",
+    "Record",
     "ReferenceSchedule",
     "References",
+    "RelativePose",
+    "Robot",
     "RobotConfig",
     "RobotModel",
     "RobotState",
@@ -192,6 +254,7 @@ __all__ = [
     "Solution",
     "SourceSample",
     "SourceSchedule",
+    "SphereConfig",
     "Spline",
     "Stack",
     "StackConfig",
@@ -202,6 +265,7 @@ __all__ = [
     "Task",
     "TaskConfig",
     "Team",
+    "Track",
     "Trajectory",
     "Transition",
     "TransitionConfig",
@@ -209,6 +273,7 @@ __all__ = [
     "TransitionState",
     "Twist",
     "Vector",
+    "VelocityDamping",
     "Waypoints",
     "base_spline",
     "build_stack",
@@ -222,6 +287,9 @@ __all__ = [
     "register_solver",
     "register_task",
     "robot_from_urdf",
+    "solve_hqp",
     "timed_waypoints",
+    "track",
+    "track_base",
     "viable_bounds",
 ]

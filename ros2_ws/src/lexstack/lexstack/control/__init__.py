@@ -8,6 +8,9 @@ if TYPE_CHECKING:
     from lexstack.control.controller import Command, Controller
     from lexstack.control.factory import make_controller, make_stack_solver
     from lexstack.control.lockstep import ExactPlant, Link, Lockstep, Plant
+    from lexstack.control.planning import Track, track, track_base
+    from lexstack.control.record import Record
+    from lexstack.control.solve import HqpController, HqpResult, solve_hqp
     from lexstack.control.stack_solver import StackSolver, share
 else:
     __getattr__ = on_demand(
@@ -16,6 +19,9 @@ else:
             "controller": "Command Controller",
             "factory": "make_controller make_stack_solver",
             "lockstep": "ExactPlant Link Lockstep Plant",
+            "planning": "Track track track_base",
+            "record": "Record",
+            "solve": "HqpController HqpResult solve_hqp",
             "stack_solver": "StackSolver share",
         },
     )
@@ -24,11 +30,18 @@ __all__ = [
     "Command",
     "Controller",
     "ExactPlant",
+    "HqpController",
+    "HqpResult",
     "Link",
     "Lockstep",
     "Plant",
+    "Record",
     "StackSolver",
+    "Track",
     "make_controller",
     "make_stack_solver",
     "share",
+    "solve_hqp",
+    "track",
+    "track_base",
 ]

@@ -161,13 +161,14 @@ class Controller:
         )
 
     def prepare(self, state: RobotState) -> None:
-        """Decide the references of a state's tick, unless that is done.
+        """Decide the references of a state's tick, unless that is done."""
+        self.begin(state)
+        self.references.decide(state.stamp)
 
-        The first ones are the measured poses where none are given.
-        """
+    def begin(self, state: RobotState) -> None:
+        """Take the measured poses for the first references, where none are given."""
         if not self.references.begun:
             self.references.begin(measured(self._team, state.q))
-        self.references.decide(state.stamp)
 
     def awaits(self, state: RobotState) -> bool:
         """Return whether a source's chi of this tick is still to come (lockstep)."""

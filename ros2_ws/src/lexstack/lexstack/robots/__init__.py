@@ -7,8 +7,10 @@ from lexstack import on_demand
 if TYPE_CHECKING:
     from lexstack.robots.assembly import BASE_JOINTS, DRIVE, TOOL, build_base
     from lexstack.robots.collision_geometry import Spheres
+    from lexstack.robots.configuration import Configuration, FrameAt
     from lexstack.robots.description import description_path, is_text, located, urdf_text
     from lexstack.robots.from_urdf import mobile_manipulator, robot_from_urdf
+    from lexstack.robots.handle import Robot
     from lexstack.robots.kinematics import Kinematics, Pose
     from lexstack.robots.obstacles import Obstacles
     from lexstack.robots.options import (
@@ -35,8 +37,10 @@ else:
         {
             "assembly": "BASE_JOINTS DRIVE TOOL build_base",
             "collision_geometry": "Spheres",
+            "configuration": "Configuration FrameAt",
             "description": "description_path is_text located urdf_text",
             "from_urdf": "mobile_manipulator robot_from_urdf",
+            "handle": "Robot",
             "kinematics": "Kinematics Pose",
             "obstacles": "Obstacles",
             "options": "AnyBase ArmConfig BaseConfig DifferentialConfig FrameConfig ObstacleConfig "
@@ -57,12 +61,15 @@ __all__ = [
     "ArmConfig",
     "ArmFile",
     "BaseConfig",
+    "Configuration",
     "DifferentialConfig",
+    "FrameAt",
     "FrameConfig",
     "Kinematics",
     "ObstacleConfig",
     "Obstacles",
     "Pose",
+    "Robot",
     "RobotConfig",
     "RobotFile",
     "RobotModel",

@@ -12,7 +12,7 @@ import pinocchio as pin
 from lexstack.errors import ModelError
 from lexstack.options import build
 from lexstack.robots.description import located
-from lexstack.robots.options import AnyBase, BaseConfig, FrameConfig, RobotConfig
+from lexstack.robots.options import AnyBase, BaseConfig, FrameConfig, RobotConfig, SphereConfig
 from lexstack.robots.robot import RobotModel
 from lexstack.robots.robot_file import RAMP, ArmFile, RobotFile, completed
 from lexstack.robots.urdf import Description, one_coordinate, read_urdf
@@ -28,6 +28,7 @@ def robot_from_urdf(
     tool: str | None = None,
     tools: Mapping[str, str] | None = None,
     place: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
+    spheres: Sequence[SphereConfig] = (),
     **arm: Any,
 ) -> RobotModel:
     """Return the robot that a URDF describes.
@@ -40,6 +41,7 @@ def robot_from_urdf(
         tool: the link of the default end effector; default: the last one of the only chain.
         tools: links of other end effectors, by name.
         place: x, y, z [m], yaw [rad] of the mounting of a robot without a base.
+        spheres: that stand for it where distances are kept.
         arm: other values of ``ArmFile``, such as ``joints=[...]`` or ``acceleration=5.0``.
 
     Raises:
@@ -57,6 +59,7 @@ def robot_from_urdf(
         base,
         None if tool is None else FrameConfig(tool),
         {key: FrameConfig(link) for key, link in (tools or {}).items()},
+        tuple(build(SphereConfig, sphere, f"{where}: spheres") for sphere in spheres),
     )
     return RobotModel(name, completed(file, where, None, given), place, given)
 

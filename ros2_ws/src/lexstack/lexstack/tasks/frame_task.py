@@ -84,6 +84,7 @@ class FrameTask:
     Attributes:
         kind: of a task of its own, as stack files name it.
         parameters: the class of its parameters.
+        reference: the frame's name among the references.
     """
 
     kind = ""
@@ -98,6 +99,7 @@ class FrameTask:
         self._n = team.n
         self._dt = team.dt
         self._choice = choice
+        self.reference = choice.frame
         self._parts = choice.parts
         check_frame(team, robot, choice.frame, f"{where}: frame")
         if choice.axes not in (WORLD, LOCAL):
@@ -118,9 +120,9 @@ class FrameTask:
         """
         choice = self._choice
         pose, jacobian = kinematics.frame(self._robot, choice.frame)
-        goal = references.pose(self._robot, choice.frame)
+        goal = references.pose(self._robot, self.reference)
         error = np.zeros(6) if goal is None else pose_error(pose, goal)
-        feed = references.twist(self._robot, choice.frame)
+        feed = references.twist(self._robot, self.reference)
         if feed is not None:
             command = kinematics.state.command[self._columns]
             bends = self._robot in kinematics.unicycles

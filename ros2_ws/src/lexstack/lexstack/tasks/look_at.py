@@ -6,9 +6,9 @@ and e = angle(a, d) (a x d) / |a x d|,
     B (J_w + [d]x J_v / r) chi -> B sat(gain e)
 
 with B two directions across a, shape (2, 3). The second term of the rows is how d turns while the
-frame moves. pink, mink and placo have no such task; placo's ``AxisAlignTask`` with a direction of
-each tick would leave that term out. The rows have no ``Curve``: near a singularity the level is not
-damped for their sake.
+frame moves. mink: ``LookAtTask``; pink and placo have none, and placo's ``AxisAlignTask`` with a
+direction of each tick would leave that term out. The rows have no ``Curve``: near a singularity the
+level is not damped for their sake.
 """
 
 from __future__ import annotations

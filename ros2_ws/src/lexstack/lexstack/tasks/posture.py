@@ -24,15 +24,20 @@ from lexstack.types import Curve, LinearTask, Vector
 class PostureParameters:
     """Parameters of the task ``posture``."""
 
-    gain: Positive = 1.0  # lambda [1/s]
     # rad; None: the robot's own posture; mid_range: (q_max + q_min) / 2, as in T
     target: Literal["mid_range"] | tuple[Finite, ...] | None = None
+    gain: Positive = 1.0  # lambda [1/s]
     joints: tuple[str, ...] = ()  # names of the arm's joints that have a row; empty: all
     weights: tuple[Positive, ...] = ()  # of the squared residual of each row; empty: all 1
 
 
 class Posture:
-    """Gamma chi -> q_dot_d + lambda (q_d - q*), with the integrated arm posture q*."""
+    """Gamma chi -> q_dot_d + lambda (q_d - q*), with the integrated arm posture q*.
+
+    Attributes:
+        led: whether a posture among the references takes the place of its own target.
+        target: its own, shape (n_arm,), rad.
+    """
 
     def __init__(
         self, team: Team, robot: int, parameters: PostureParameters, where: str = "posture"
@@ -41,10 +46,11 @@ class Posture:
         self.name = f"{team.names[robot]}/posture"
         self.robots = (robot,)
         model = team.robots[robot]
-        self._target = posture_target(model, parameters, where)
-        start, end = team.slices[robot].stop - len(self._target), team.q_slices[robot].stop
-        self._place = slice(end - len(self._target), end)
-        self._matrix = np.eye(len(self._target), team.n, start)
+        self.led = True
+        self.target = posture_target(model, parameters, where)
+        start, end = team.slices[robot].stop - len(self.target), team.q_slices[robot].stop
+        self._place = slice(end - len(self.target), end)
+        self._matrix = np.eye(len(self.target), team.n, start)
         self._kept: list[int] | None = None
         if parameters.joints:
             self._kept = _kept(model, parameters.joints, where)
@@ -66,9 +72,11 @@ class Posture:
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return one row per arm joint that is kept [rad/s], times the root of its weight."""
         motion = references.motion
-        target = motion.postures.get(self.robots[0], self._target)
+        target = self.target
+        if self.led:
+            target = motion.postures.get(self.robots[0], target)
         error = target - kinematics.state.q_star[self._place]
-        feed = motion.posture_rates.get(self.robots[0])
+        feed = motion.posture_rates.get(self.robots[0]) if self.led else None
         if self._kept is not None:
             error, feed = error[self._kept], None if feed is None else feed[self._kept]
         if self._roots is not None:
