@@ -182,6 +182,8 @@ class ReferenceSchedule:
 
     def _placed(self, target: Target) -> bool:
         """Return whether the frame of a target has a pose, or will have one before it."""
+        if target.begin is not None:
+            return True
         last, coming = self.timeline.newest, self._coming[target.robot, target.kind]
         known = last is not None and (target.robot, target.frame) in last.frames
         return known or any(entry.at <= target.at for entry in coming)
