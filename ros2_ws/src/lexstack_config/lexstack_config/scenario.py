@@ -25,6 +25,7 @@ from lexstack.options import (
 from lexstack.robots import ObstacleConfig, Vector3
 from lexstack.transition import TransitionConfig
 from lexstack_config.plant import PlantConfig
+from lexstack_config.reference_topics import ReferenceTopicsConfig
 from lexstack_config.stream import StreamConfig
 
 if TYPE_CHECKING:
@@ -151,6 +152,8 @@ class ScenarioConfig:
     plant: PlantConfig = field(default_factory=PlantConfig)  # default: as its model says
     timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)  # how long who waits for whom
     lead_in: NotNegative = 0.5  # s, in which a reference moves to a new target; 0: it steps
+    # what topics of references leave open
+    references: ReferenceTopicsConfig = field(default_factory=ReferenceTopicsConfig)
     limit_jerk: bool = False  # at every tick, not only in transitions by bridge_jerk
     # the MPC, where there are sequences
     htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)

@@ -13,6 +13,7 @@ from lexstack.references.trajectory import Trajectory
 from lexstack.references.twist_stream import TwistStream
 from lexstack.references.values import TOOL, Target
 
+_ROUNDING = 1e-6  # s, of times
 Place = tuple[int, str, str]  # a robot, what of it, and the frame
 
 
@@ -61,7 +62,9 @@ def _goal(point: Trajectory[Any]) -> tuple[Any, float | None]:
     if isinstance(point, TwistStream):
         return point.twist, None
     if isinstance(point, Led):
-        return point.goal, None
+        fading, times = point.fading, getattr(point.goal, "times", None)
+        whole = times is not None and abs(times[0] - fading.start - fading.duration) < _ROUNDING
+        return point.goal, fading.duration if whole else None
     if isinstance(point, SetPoint):
         own = point.fed and point.fading is not None
         return point.goal, point.fading.duration if own and point.fading else None

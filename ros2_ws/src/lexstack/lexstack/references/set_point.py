@@ -123,6 +123,13 @@ def settled(motion: Trajectory[T], stamp: float) -> bool:
     return motion.settled(stamp) if isinstance(motion, SetPoint) else stamp >= motion.end
 
 
+def unled(motion: Trajectory[T]) -> Trajectory[T]:
+    """Return what a reference leads to: a set-point, or a trajectory, without the way to it."""
+    if isinstance(motion, Led):
+        return motion.goal
+    return SetPoint(motion.goal, space=motion.space) if isinstance(motion, SetPoint) else motion
+
+
 def led(
     motion: Trajectory[T],
     goal: T,

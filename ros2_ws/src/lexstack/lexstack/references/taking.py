@@ -100,7 +100,7 @@ def _next(
     if before is None:
         return goal if hasattr(goal, "rate") else SetPoint(goal, space=space)
     if hasattr(goal, "rate"):
-        return led_onto(before, goal, stamp, way.lead_in, space)
+        return led_onto(before, goal, stamp, max(way.lead_in, target.duration or 0.0), space)
     if isinstance(before, SetPoint) and same(before.goal, goal):
         return before
     own = target.duration is not None

@@ -128,8 +128,9 @@ class Target:
         frame: the name of the frame that ``ee`` is for; default: the tool.
         begin: where the reference begins if there was none until then: a pose, or shape (n_arm,);
             None: at the goal.
-        duration: in which it moves to a goal, and by whose velocity it is followed [s]; None: the
-            lead-in of the schedule, followed by the gain alone.
+        duration: in which it moves to a set-point, and is followed by its velocity too, or onto a
+            trajectory if that is longer than the lead-in [s]; None: the lead-in of the schedule,
+            and a set-point is followed by the gain alone.
     """
 
     at: float
