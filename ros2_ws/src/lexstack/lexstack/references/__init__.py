@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from lexstack.references.encoding import WIDTHS, decode, encode, encode_moving
     from lexstack.references.fading import Fading
     from lexstack.references.moving import BASE, EE, MOST_POINTS, POSTURE, Moving
+    from lexstack.references.path import path_at_speed
     from lexstack.references.retaking import targets_between
     from lexstack.references.schedule import ReferenceSchedule
     from lexstack.references.set_point import Led, SetPoint
@@ -39,6 +40,7 @@ else:
             "encoding": "WIDTHS decode encode encode_moving",
             "fading": "Fading",
             "moving": "BASE EE MOST_POINTS POSTURE Moving",
+            "path": "path_at_speed",
             "retaking": "targets_between",
             "schedule": "ReferenceSchedule",
             "set_point": "Led SetPoint",
@@ -87,6 +89,7 @@ __all__ = [
     "encode_moving",
     "load",
     "measured",
+    "path_at_speed",
     "targets_between",
     "timed_waypoints",
 ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,7 +11,7 @@ from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from lexstack.errors import InputError, ModelError
 from lexstack.options import shown
-from lexstack.references import TOOL, base_spline
+from lexstack.references import TOOL
 from lexstack.robots import Pose, RobotModel, Team
 from lexstack.types import Matrix, RobotState, Vector
 from lexstack_config.reference_topics import ReferenceTopicsConfig
@@ -29,9 +28,7 @@ Made = TypeVar("Made")
 MOST_POINTS = 1000
 """Of a trajectory: its splines are found within a tick."""
 _FASTEST = 10.0  # m/s, rad/s: no robot is asked for more
-_SAME = 1e-6  # m, rad: two places of a path that are nearer are one
 _SHORTEST = 1e-6  # s: times are rounded
-_SAMPLES = 16  # of each interval, for the largest speed along a path
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,34 +115,6 @@ def check_few(points: Sequence[Any], where: str) -> None:
     """Raise InputError for too many points."""
     if len(points) > MOST_POINTS:
         raise InputError(f"{where}: expected at most {MOST_POINTS}, got {len(points)}")
-
-
-def at_speed(start: float, places: Matrix, options: ReferenceTopicsConfig) -> tuple[Vector, Matrix]:
-    """Return times for places (N, 3) at which no speed is exceeded, and those that differ."""
-    places = places.copy()
-    places[:, 2] = np.unwrap(places[:, 2])
-    limits = np.array([options.path_speed, options.path_turn])
-    kept = [0]
-    for k in range(1, len(places)):
-        if np.abs(places[k] - places[kept[-1]]).max() > _SAME:
-            kept.append(k)
-    places = places[kept]
-    if len(places) == 1:
-        return np.array([start, start + 1.0]), np.repeat(places, 2, axis=0)
-    spans = [float((_ways(b - a) / limits).max()) for a, b in pairwise(places)]
-    relative = np.concatenate(([0.0], np.cumsum(spans)))
-    spline = base_spline(relative, places)
-    samples = np.concatenate(
-        [np.linspace(a, b, _SAMPLES, endpoint=False)[1:] for a, b in pairwise(relative)]
-    )
-    rates = [spline.rate(float(t)) for t in samples]
-    longer = max(float((_ways(rate) / limits).max()) for rate in rates if rate is not None)
-    return start + max(longer, 1.0) * relative, places
-
-
-def _ways(change: Vector) -> Vector:
-    """Return distance and turn of a change of place, shape (2,), m and rad."""
-    return np.array([np.hypot(change[0], change[1]), abs(change[2])])
 
 
 # ---- points

@@ -14,11 +14,10 @@ from nav_msgs.msg import Path
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
 from lexstack.errors import InputError
-from lexstack.references import Hold, Spline, Target, Twist, Waypoints, base_spline
+from lexstack.references import Hold, Spline, Target, Twist, Waypoints, base_spline, path_at_speed
 from lexstack_ros.messages.conversions import placed, to_place, to_pose, to_stamp, to_vector
 from lexstack_ros.messages.target_points import (
     Reading,
-    at_speed,
     check_few,
     check_inside,
     check_under_way,
@@ -104,11 +103,14 @@ def to_path(message: Path, reading: Reading) -> Iterator[Target]:
         yield Target(stamp or stamps[0], reading.robot, base=places[0])
         return
     times = np.array(stamps)
-    if not times.any():
-        start = max(stamp, reading.now)
-        times, places = at_speed(start, np.array(places), reading.options)
-    check_under_way(times, reading)
-    spline = made(where, lambda: base_spline(times, np.array(places)))
+    if times.any():
+        check_under_way(times, reading)
+        spline = made(where, lambda: base_spline(times, np.array(places)))
+    else:
+        options, start = reading.options, max(stamp, reading.now)
+        speeds = options.path_speed, options.path_turn
+        spline = made(where, lambda: path_at_speed(start, np.array(places), *speeds))
+        times = spline.times
     at = stamp or first_or_now(times, reading.now)
     led = until_first(times, at, reading.now)
     yield Target(at, reading.robot, base=spline, duration=led)
