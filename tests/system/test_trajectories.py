@@ -4,6 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped, TransformStamped, TwistStamped
+from std_srvs.srv import SetBool
 
 from lexstack_bag.figures.series import measure
 from lexstack_bag.replay.changes import Changes
@@ -12,9 +15,12 @@ from lexstack_bag.run.reader import read_run
 from lexstack_config.resolved import load_scenario
 from lexstack_config.scenario import EventConfig
 from lexstack_config.trajectories import PathConfig, PostureWayConfig, TwistEventConfig, WayConfig
+from lexstack_interfaces.msg import References
+from lexstack_ros.messages.qos import LATCHED
 from lexstack_testing.played_run import together
+from lexstack_testing.user import User
 from support.runs import read, short_scenario
-from support.scenario import CONFIG, home
+from support.scenario import CONFIG, home, team
 
 pytestmark = pytest.mark.system
 SETTLED = 160  # ticks: the trajectory begins at 1 s, and is led onto for 0.5 s
@@ -112,6 +118,77 @@ def test_with_another_lead_in_the_replay_decides_on_the_same_trajectories_again(
     assert 28 <= outcome.first <= 35, "the first trajectory, at tick 30"
     late = outcome.tick > 450
     np.testing.assert_allclose(outcome.replayed[late], outcome.recorded[late], atol=0.05)
+
+
+class Teleoperator(User):
+    """Publishes targets, and keeps what the controller decides and complains of."""
+
+    def __init__(self, run):
+        super().__init__(run)
+        self.decisions = self.hear(References, "/robot_a/references", [], LATCHED)
+        self.complaints = []
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
+        assert self.call(SetBool, "/sim_bridge/pause", data=False).success
+        self.until(lambda: self.commands and self.decisions)
+
+    def _on_diagnostics(self, message):
+        self.complaints += [s.message for s in message.status if s.name == "hqp_controller"]
+
+    def kind(self):
+        """Return the kind of the tool's reference, '' of a set-point that is led in."""
+        newest = self.decisions[-1].trajectories
+        return newest[0].kind if newest else ""
+
+
+@pytest.fixture(scope="module")
+def user(tmp_path_factory):
+    """Return a user of a long run without targets of its own."""
+    scenario = short_scenario(events=(), duration=3000.0, base_target={})
+    with together(scenario, tmp_path_factory.mktemp("run")) as run:
+        yield Teleoperator(run)
+        assert run.end() == []
+
+
+def test_a_stream_of_twists_moves_the_tool_until_it_ends(user):
+    publisher = user.publisher(TwistStamped, "/robot_a/ee_twist")
+    twist = TwistStamped()
+    twist.twist.linear.y = 0.1
+
+    sent = []
+
+    def moves():
+        if not sent or len(user.commands) > sent[-1] + 4:  # one for 5 ticks
+            publisher.publish(twist)
+            sent.append(len(user.commands))
+        return user.kind() == "twist" and np.abs(user.commands[-1].chi).max() > 0.05
+
+    user.until(moves)
+    user.until(lambda: np.abs(user.commands[-1].chi).max() < 1e-3)
+
+
+def test_a_target_in_a_frame_of_tf_is_taken_and_one_in_an_unknown_frame_refused_aloud(user):
+    tf2 = pytest.importorskip("tf2_msgs.msg", reason="./scripts/setup builds it")
+    transforms = user.publisher(tf2.TFMessage, "/tf_static", qos=LATCHED)
+    table = TransformStamped(child_frame_id="table")
+    table.header.frame_id, table.transform.rotation.w = "robot_b/tool", 1.0
+    transforms.publish(tf2.TFMessage(transforms=[table]))
+    target = PoseStamped()
+    target.header.frame_id, target.pose.orientation.w = "table", 1.0
+    publisher = user.publisher(PoseStamped, "/robot_a/ee_target")
+    before, sent = len(user.decisions), []
+
+    def heard():
+        if not sent or len(user.commands) > sent[-1] + 50:  # /tf_static may come after the first
+            publisher.publish(target)
+            sent.append(len(user.commands))
+        return len(user.decisions) > before
+
+    user.until(heard)
+    goal = np.array(user.decisions[-1].ee[:3])
+    np.testing.assert_allclose(goal, team().tools(home())[1].position, atol=2e-3)
+    target.header.frame_id = "nowhere"
+    publisher.publish(target)
+    user.until(lambda: any("unknown 'nowhere'; known: world" in c for c in user.complaints))
 
 
 def test_a_hold_in_the_middle_of_the_eight_brings_the_tool_to_rest(tmp_path):

@@ -398,7 +398,7 @@ JOINTS = list(team().robots[0].joints[3:])
         ("ee_trajectory", way(*TWO, names=["nose"]), "joint_names: robot robot_a: no frame 'nose'"),
         ("ee_trajectory", way(*TWO, names=["tool", "tool"]), "a frame stands in it twice"),
         ("ee_trajectory", way(*TWO, names=["tool", ELBOW]), "transforms: expected 2, got 1"),
-        ("ee_trajectory", way(*TWO, times=[1.0, 1.0]), "time_from_start: must increase"),
+        ("ee_trajectory", way(*TWO, times=[1.0, 1.0]), "points[1]: 1 s is not after 1 s"),
         ("ee_trajectory", way(*TWO, times=[0.1, 0.2], stamp=0.05), "it ended at 0.250 s"),
         ("ee_trajectory", way(*TWO, stamp=99.0), "stamp 99.000 s is 98.69 s ahead"),
         (
@@ -407,6 +407,8 @@ JOINTS = list(team().robots[0].joints[3:])
             "twists[1]: must be zero: the reference rests at the end",
         ),
         ("ee_trajectory", way(*[tool()] * 1001), "points: expected at most 1000, got 1001"),
+        ("ee_trajectory", way(tool(), moved(tool(), 30, 0, 0)), "points[1]: 30 m/s or rad/s from"),
+        ("base_path", path([(0, 0, 0), (30, 0, 0)], stamps=[2, 3]), "poses[1]: 30 m/s or rad/s"),
         ("base_path", path([(0, 0, 0), (1, 0, 0)], stamps=[2.0, 1.0]), "1 s is not after 2 s"),
         ("base_path", path([(0, 0, 0), (1, 0, 0)], stamps=[0.1, 0.2]), "it ended at 0.200 s"),
         ("base_path", path([(0, 0, 0), (1e4, 0, 0)]), "poses[1]: position: 10000 m away"),

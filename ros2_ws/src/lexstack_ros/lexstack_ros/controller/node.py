@@ -13,7 +13,7 @@ from lexstack.errors import InputError
 from lexstack.types import RobotState
 from lexstack_config.parts import Parts, build_controller
 from lexstack_interfaces.msg import Chi, TransitionStatus
-from lexstack_ros.controller.references import Decisions
+from lexstack_ros.controller.references import Decisions, load_ahead
 from lexstack_ros.controller.switch_services import Requests
 from lexstack_ros.controller.target_topics import TargetTopics
 from lexstack_ros.intake.drain import waiting
@@ -70,6 +70,7 @@ class HqpControllerNode(Node):
         self._decisions = Decisions(
             self, self._parts.team, self._controller.references, self._chi.sender
         )
+        load_ahead(self._resolved.scenario.mode)
         self._late_start = round(_LATE_START * self._resolved.scenario.rate)
         self._source = self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
         self.create_subscription(JointTrajectory, PLAN, self._on_plan, STREAM)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
@@ -27,6 +28,7 @@ Made = TypeVar("Made")
 
 MOST_POINTS = 1000
 """Of a trajectory: its splines are found within a tick."""
+_NEAREST = 1e-3  # s, between two points, at least
 _FASTEST = 10.0  # m/s, rad/s: no robot is asked for more
 _SHORTEST = 1e-6  # s: times are rounded
 
@@ -78,8 +80,11 @@ def times_of(message: Any, stamp: float, reading: Reading) -> Vector:
     if not message.points:
         return np.zeros(0)
     relative = np.array([to_seconds(point.time_from_start) for point in message.points])
-    if relative[0] < 0.0 or (np.diff(relative) <= 0.0).any():
-        raise InputError(f"{where}: points: time_from_start: must increase from 0 on")
+    if relative[0] < 0.0:
+        raise InputError(
+            f"{where}: points[0]: time_from_start: must be >= 0, got {relative[0]:g} s"
+        )
+    check_order(relative, f"{where}: points")
     times = (stamp or reading.now) + relative
     if len(times) > 1:
         check_under_way(times, reading)
@@ -109,6 +114,26 @@ def until_first(times: Vector, stamp: float, now: float) -> float | None:
     """Return in which time the first point is to be reached [s]; None: there is none left."""
     left = float(times[0]) - max(stamp, now)
     return left if left > _SHORTEST else None
+
+
+def check_order(times: Vector, where: str) -> None:
+    """Raise InputError for times that do not increase."""
+    for k, (one, other) in enumerate(pairwise(times.tolist()), start=1):
+        if other - one < _NEAREST:
+            raise InputError(
+                f"{where}[{k}]: {other:g} s is not after {one:g} s, by {_NEAREST:g} s at least"
+            )
+
+
+def check_speeds(times: Vector, values: Matrix, where: str) -> None:
+    """Raise InputError for points (N, m) that are too far apart for the time between them."""
+    speeds = np.abs(np.diff(values, axis=0)).max(axis=1) / np.diff(times)
+    k = int(np.argmax(speeds))
+    if speeds[k] > _FASTEST:
+        raise InputError(
+            f"{where}[{k + 1}]: {speeds[k]:.3g} m/s or rad/s from the one before, "
+            f"at most {_FASTEST:g}"
+        )
 
 
 def check_few(points: Sequence[Any], where: str) -> None:

@@ -20,6 +20,8 @@ from lexstack_ros.messages.target_points import (
     Reading,
     check_few,
     check_inside,
+    check_order,
+    check_speeds,
     check_under_way,
     duration_of,
     first_or_now,
@@ -76,6 +78,7 @@ def to_way(message: MultiDOFJointTrajectory, reading: Reading) -> Iterator[Targe
             duration = duration_of(message)
             yield Target(stamp, reading.robot, poses[0], None, None, frame, begin, duration)
         else:
+            check_speeds(times, np.array([pose.position for pose in poses]), f"{where}: points")
             way = made(where, lambda p=poses, t=twists: Waypoints(times, p, t))  # type: ignore[misc]
             led = until_first(times, stamp, reading.now)
             yield Target(stamp, reading.robot, way, frame=frame, begin=begin, duration=led)
@@ -105,6 +108,8 @@ def to_path(message: Path, reading: Reading) -> Iterator[Target]:
     times = np.array(stamps)
     if times.any():
         check_under_way(times, reading)
+        check_order(times, f"{where}: poses")
+        check_speeds(times, np.array(places)[:, :2], f"{where}: poses")
         spline = made(where, lambda: base_spline(times, np.array(places)))
     else:
         options, start = reading.options, max(stamp, reading.now)
@@ -141,6 +146,7 @@ def to_posture(message: JointTrajectory, reading: Reading) -> Iterator[Target]:
         duration = duration_of(message)
         yield Target(stamp, reading.robot, posture=values[0], begin=begin, duration=duration)
         return
+    check_speeds(times, values, f"{where}: points")
     spline = made(where, lambda: Spline(times, values, rates))
     led = until_first(times, stamp, reading.now)
     yield Target(stamp, reading.robot, posture=spline, begin=begin, duration=led)
