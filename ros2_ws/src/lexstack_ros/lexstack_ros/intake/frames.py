@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Header
 
 from lexstack.errors import InputError, ModelError
@@ -22,6 +21,7 @@ from lexstack.robots import Pose, Team, from_rpy
 from lexstack.types import RobotState
 from lexstack_ros.intake.transforms import EarlyError, History, Transforms, between
 from lexstack_ros.messages.conversions import WORLD, to_stamp
+from lexstack_ros.messages.qos import STATIC_TRANSFORMS, TRANSFORMS
 
 _BASE, _FIXED = ("base", "base_link"), ("odom", WORLD)
 _UPRIGHT_WORLD = Pose(np.zeros(3), np.eye(3))
@@ -110,25 +110,15 @@ class Frames:
         return Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))
 
 
-def listen(node: Node, transforms: Transforms) -> bool:
-    """Subscribe to /tf and /tf_static; return whether their message is installed."""
+def listen(node: Node, transforms: Transforms) -> None:
+    """Subscribe to /tf and /tf_static, where their message is installed."""
     try:
-        kind: Any = importlib.import_module("tf2_msgs.msg").TFMessage
+        kind = importlib.import_module("tf2_msgs.msg").TFMessage
     except ImportError:
-        return False
-    for topic, durability in (
-        ("/tf", DurabilityPolicy.VOLATILE),
-        ("/tf_static", DurabilityPolicy.TRANSIENT_LOCAL),
-    ):
-        static = topic == "/tf_static"
-        profile = QoSProfile(
-            history=HistoryPolicy.KEEP_LAST,
-            depth=100,
-            reliability=ReliabilityPolicy.RELIABLE,
-            durability=durability,
-        )
-        node.create_subscription(kind, topic, partial(_hear, transforms, static), profile)
-    return True
+        return
+    moving, static = (partial(_hear, transforms, static) for static in (False, True))
+    node.create_subscription(kind, "/tf", moving, TRANSFORMS)
+    node.create_subscription(kind, "/tf_static", static, STATIC_TRANSFORMS)
 
 
 def _hear(transforms: Transforms, static: bool, message: Any) -> None:
