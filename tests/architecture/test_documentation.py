@@ -223,6 +223,7 @@ def endpoints():
         found |= {name.replace("~", "/sim_bridge"): kind for name in values if "/" in name}
     targets = next(code for code in modules() if "OF_FRAMES: dict" in code)
     kinds = re.findall(r'^    "(\w+)": \((\w+), \w+\),$', targets, flags=re.MULTILINE)
+    found = {name: kind for name, kind in found.items() if not name.endswith("/{kind}")}
     found |= {f"/NAME/{topic}": kind for topic, kind in kinds}
     return {re.sub(r"\{\w+\}", "NAME", name): kind for name, kind in found.items()}
 

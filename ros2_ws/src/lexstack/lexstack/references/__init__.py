@@ -13,7 +13,7 @@ from lexstack import on_demand
 if TYPE_CHECKING:
     from lexstack.references.encoding import WIDTHS, decode, encode, encode_moving
     from lexstack.references.fading import Fading
-    from lexstack.references.moving import BASE, EE, MOST_POINTS, POSTURE, Moving
+    from lexstack.references.moving import Moving
     from lexstack.references.path import path_at_speed
     from lexstack.references.retaking import targets_between
     from lexstack.references.schedule import ReferenceSchedule
@@ -39,7 +39,7 @@ else:
         {
             "encoding": "WIDTHS decode encode encode_moving",
             "fading": "Fading",
-            "moving": "BASE EE MOST_POINTS POSTURE Moving",
+            "moving": "Moving",
             "path": "path_at_speed",
             "retaking": "targets_between",
             "schedule": "ReferenceSchedule",
@@ -55,13 +55,9 @@ else:
     )
 
 __all__ = [
-    "BASE",
     "BASES",
-    "EE",
     "JOINTS",
-    "MOST_POINTS",
     "POSES",
-    "POSTURE",
     "ROUNDING",
     "TOOL",
     "WIDTHS",

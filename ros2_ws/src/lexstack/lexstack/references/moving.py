@@ -35,9 +35,7 @@ from lexstack.robots import Pose
 from lexstack.types import Matrix, Vector
 
 EE, BASE, POSTURE = "ee", "base", "posture"
-MOST_POINTS = 10_000
-"""Of a trajectory that is sent."""
-
+_MOST_POINTS = 10_000  # of a trajectory that is sent
 _POSE = 12
 _NONE = np.zeros(0)
 _SQUARE = 1e-6  # how far R^T R may be from the unit matrix
@@ -190,8 +188,8 @@ def pose_of(row: Vector) -> Pose:
 
 def _points(values: Vector, width: int) -> Matrix:
     """Return values as points, shape (N, width)."""
-    if values.size % width or values.size > width * MOST_POINTS:
-        raise InputError(f"values: expected {width} for each of at most {MOST_POINTS} points")
+    if values.size % width or values.size > width * _MOST_POINTS:
+        raise InputError(f"values: expected {width} for each of at most {_MOST_POINTS} points")
     return values.reshape(-1, width)
 
 
