@@ -8,7 +8,16 @@ from functools import partial
 import numpy as np
 
 from lexstack.errors import ConfigurationError, InputError, ModelError
-from lexstack.references import TOOL, Spline, Target, Twist, Waypoints, base_spline, path_at_speed
+from lexstack.references import (
+    TOOL,
+    Hold,
+    Spline,
+    Target,
+    Twist,
+    Waypoints,
+    base_spline,
+    path_at_speed,
+)
 from lexstack.robots import Pose, Team, from_quaternion
 from lexstack_config.reference_topics import ReferenceTopicsConfig
 from lexstack_config.scenario import EventConfig, ScenarioConfig
@@ -70,12 +79,13 @@ def way_target(config: WayConfig, team: Team, robot: int, at: float) -> Target:
     """Return timed poses of a frame; raises InputError or ModelError where they make no way."""
     if config.frame != TOOL:
         team.robots[robot].frame(config.frame)
-    times, poses = at + np.array(config.times), poses_of(config)
-    first = config.times[0] if config.times else 0.0
+    if not config.times:
+        return Target(at, robot, ee=Hold(), frame=config.frame)
+    poses, first = poses_of(config), config.times[0] or None
     if len(poses) == 1:
-        return Target(at, robot, ee=poses[0], frame=config.frame, duration=first or None)
-    way = Waypoints(times, tuple(poses))
-    return Target(at, robot, ee=way, frame=config.frame, duration=first or None)
+        return Target(at, robot, ee=poses[0], frame=config.frame, duration=first)
+    way = Waypoints(at + np.array(config.times), tuple(poses))
+    return Target(at, robot, ee=way, frame=config.frame, duration=first)
 
 
 def path_target(
@@ -83,6 +93,8 @@ def path_target(
 ) -> Target:
     """Return the way of a base; raises InputError where places or times make none."""
     places = np.array(config.places)
+    if not len(places):
+        return Target(at, robot, base=Hold())
     if len(places) == 1:
         return Target(at, robot, base=places[0])
     if not config.times:
@@ -99,6 +111,8 @@ def posture_target(config: PostureWayConfig, team: Team, robot: int, at: float) 
     for k, row in enumerate(config.positions):
         if len(row) != len(joints):
             raise InputError(f"positions[{k}]: expected {len(joints)} values, got {len(row)}")
+    if not config.times:
+        return Target(at, robot, posture=Hold())
     values = np.array(config.positions)
     lower, upper = model.limits.position_lower[model.arm], model.limits.position_upper[model.arm]
     beyond = np.argwhere((values < lower) | (values > upper))
@@ -108,7 +122,7 @@ def posture_target(config: PostureWayConfig, team: Team, robot: int, at: float) 
             f"positions[{k}]: {joints[j]}: {values[k, j]:g} is outside its limits "
             f"[{lower[j]:g}, {upper[j]:g}]"
         )
-    first = config.times[0] if config.times else 0.0
+    first = config.times[0] or None
     if len(values) == 1:
-        return Target(at, robot, posture=values[0], duration=first or None)
+        return Target(at, robot, posture=values[0], duration=first)
     return Target(at, robot, posture=Spline(at + np.array(config.times), values), duration=first)

@@ -1,7 +1,8 @@
 """Where the frames are that targets are told in: the robots' own, and those heard on /tf.
 
 Of a robot NAME the frames are NAME/FRAME, FRAME being ``tool``, one of its ``tools``, any link or
-joint of its description; ``NAME/base``, where it stands; and ``NAME/odom`` and ``NAME/world``,
+joint of its description; ``NAME/base``, where it stands, the child frame of its odometry (also
+``NAME/base_link`` where its description has none); and ``NAME/odom`` and ``NAME/world``,
 which are the world, as the plant tells the pose of its base in it (REP-105).
 """
 
@@ -18,12 +19,13 @@ from std_msgs.msg import Header
 from lexstack.errors import InputError, ModelError
 from lexstack.options import shown
 from lexstack.robots import Pose, Team, from_rpy
-from lexstack.types import RobotState
+from lexstack.types import RobotState, Vector
 from lexstack_ros.intake.transforms import EarlyError, History, Transforms, between
 from lexstack_ros.messages.conversions import WORLD, to_stamp
 from lexstack_ros.messages.qos import STATIC_TRANSFORMS, TRANSFORMS
 
-_BASE, _FIXED = ("base", "base_link"), ("odom", WORLD)
+_BASE, _BASE_LINK = "base", "base_link"
+_FIXED = ("odom", WORLD)
 _UPRIGHT_WORLD = Pose(np.zeros(3), np.eye(3))
 
 
@@ -101,13 +103,20 @@ class Frames:
     def _pose(self, state: RobotState, robot: int, name: str) -> Pose:
         """Return the pose of a robot's frame at a state; raises ModelError for one it has not."""
         model, q = self._team.robots[robot], state.q[self._team.q_slices[robot]]
+        if model.has_base and name == _BASE:
+            return _upright(model.base_pose(q))
         try:
             return model.at(q, model.frame(name))[0]
         except ModelError:
-            if name not in _BASE or not model.has_base:
+            if not model.has_base or name != _BASE_LINK:
                 raise
-        x, y, yaw = (float(value) for value in model.base_pose(q))
-        return Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))
+        return _upright(model.base_pose(q))
+
+
+def _upright(place: Vector) -> Pose:
+    """Return x, y, yaw as a pose on the floor."""
+    x, y, yaw = (float(value) for value in place)
+    return Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))
 
 
 def listen(node: Node, transforms: Transforms) -> None:
