@@ -36,7 +36,11 @@ TOOLS = {
 
 TARGETS = {
     "ee_target": "geometry_msgs/msg/PoseStamped",
+    "ee_twist": "geometry_msgs/msg/TwistStamped",
+    "ee_trajectory": "trajectory_msgs/msg/MultiDOFJointTrajectory",
     "base_target": "geometry_msgs/msg/PoseStamped",
+    "base_path": "nav_msgs/msg/Path",
+    "posture_trajectory": "trajectory_msgs/msg/JointTrajectory",
 }
 """Where users set references of each robot, below the robot's name."""
 

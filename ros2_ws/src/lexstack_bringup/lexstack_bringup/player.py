@@ -6,8 +6,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-from geometry_msgs.msg import PoseStamped
 from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.node import Node
@@ -15,22 +13,22 @@ from rclpy.publisher import Publisher
 from std_srvs.srv import SetBool
 
 from lexstack.errors import LexstackError
-from lexstack.robots import Pose, from_rpy, to_quaternion
-from lexstack.types import Vector
+from lexstack_bringup.event_messages import TYPES, messages_of
 from lexstack_bringup.processes import RECORDER, nodes_of
 from lexstack_bringup.sequence_client import SequenceClient
 from lexstack_bringup.streams import Streams
 from lexstack_config.resolved import ResolvedScenario
-from lexstack_config.scenario import EventConfig, pose_from_config
+from lexstack_config.scenario import EventConfig
 from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
-from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.calls import answer_of, let_be_known, not_taken, wait_until
 from lexstack_ros.node.readiness import is_connected
 
 PLAYER = "scenario_player"
 _LEAD = 1.0  # s, how long before its time an event is sent in realtime
+_BURST = 20  # messages, fewer than a listener's queue holds
+_ALWAYS = ("ee_target", "base_target")  # streams go there too
 _ANSWER = 10.0  # s of wall time to wait for a service
 
 
@@ -52,10 +50,12 @@ class Player(Node):
         self.state: PlantState | None = None
         self.transition: TransitionStatus | None = None
         self.adopted: list[str] = []
+        self._resolved = resolved
         self._targets: dict[str, Publisher] = {
-            f"/{name}/{kind}": self.create_publisher(PoseStamped, f"/{name}/{kind}", STREAM)
+            f"/{name}/{kind}": self.create_publisher(message, f"/{name}/{kind}", STREAM)
             for name in resolved.scenario.robots
-            for kind in ("ee_target", "base_target")
+            for kind, message in TYPES.items()
+            if kind in _ALWAYS or any(getattr(e, kind) for e in resolved.scenario.events)
         }
         self._streams = Streams(resolved, self._targets) if resolved.scenario.streams else None
         self._switch = self.create_client(SwitchStack, "/robot_a/switch_stack")
@@ -107,11 +107,12 @@ class Player(Node):
         """Send the events up to a time [s]; return the others."""
         due = [event for event in events if event.at <= until]
         for event in due:
-            self._send_targets(event)
-        # The run shall not depend on luck.
-        if due and self._scenario.mode == "lockstep":
-            for topic in not_taken(self._targets.values(), _ANSWER):
-                raise ScenarioFailedError(f"{topic}: not taken by all listeners in {_ANSWER:g} s")
+            for sent, (topic, message) in enumerate(messages_of(event, self._resolved), start=1):
+                self._targets[topic].publish(message)
+                if not sent % _BURST:
+                    self._see_taken()
+        if due:
+            self._see_taken()
         for event in due:
             if event.switch:
                 self._send_switch(event)
@@ -119,18 +120,11 @@ class Player(Node):
                 self._sequences.send(event, self._call)
         return events[len(due) :]
 
-    def _send_targets(self, event: EventConfig) -> None:
-        """Publish an event's targets, to take effect at its time."""
-        for name, config in event.ee_target.items():
-            pose = pose_from_config(config)
-            self._publish(f"/{name}/ee_target", pose, np.array(config.orientation), event.at)
-        for name, (x, y, yaw) in event.base_target.items():
-            pose = Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))
-            self._publish(f"/{name}/base_target", pose, to_quaternion(pose.rotation), event.at)
-
-    def _publish(self, topic: str, pose: Pose, quaternion: Vector, at: float) -> None:
-        """Publish one target."""
-        self._targets[topic].publish(pose_message(pose, at, quaternion))
+    def _see_taken(self) -> None:
+        """Wait until all listeners have what was sent: a lockstep run shall not depend on luck."""
+        if self._scenario.mode == "lockstep":
+            for topic in not_taken(self._targets.values(), _ANSWER):
+                raise ScenarioFailedError(f"{topic}: not taken by all listeners in {_ANSWER:g} s")
 
     def _send_switch(self, event: EventConfig) -> None:
         """Ask the controller to switch its stack at the event's time."""

@@ -54,10 +54,10 @@ class ResolvedScenario:
         mounted = {
             name for name, place in scenario.robots.items() if self.robots[place.model].base is None
         }
-        asked = [("base_target", scenario.base_target)]
-        asked += [
-            (f"events[{i}].base_target", e.base_target) for i, e in enumerate(scenario.events)
-        ]
+        asked: list[tuple[str, Mapping[str, object]]] = [("base_target", scenario.base_target)]
+        for i, event in enumerate(scenario.events):
+            asked.append((f"events[{i}].base_target", event.base_target))
+            asked.append((f"events[{i}].base_path", event.base_path))
         for i, stream in enumerate(scenario.streams):
             if stream.target == "base":
                 asked.append((f"streams[{i}].target", {stream.robot: stream.swing}))

@@ -49,6 +49,7 @@ class ReferenceSchedule:
             dt: control period [s], see ``ReferenceTimeline``.
         """
         self.timeline = ReferenceTimeline(dt)
+        self._dt = dt
         self._initial = initial
         self._given: tuple[frozenset[int], frozenset[int]] | None = None
         self.lead_in = lead_in
@@ -102,6 +103,11 @@ class ReferenceSchedule:
     def begun(self) -> bool:
         """Whether the first references are decided."""
         return self.timeline.newest is not None
+
+    @property
+    def next(self) -> float:
+        """Time of the first tick that is not decided yet [s]: when a target of now takes effect."""
+        return max(self._decided + self._dt, 0.0)
 
     def begin(self, present: References) -> None:
         """Take the measured poses for first references, where none are given.
@@ -182,6 +188,8 @@ class ReferenceSchedule:
 
     def _placed(self, target: Target) -> bool:
         """Return whether the frame of a target has a pose, or will have one before it."""
+        if target.begin is not None:
+            return True
         last, coming = self.timeline.newest, self._coming[target.robot, target.kind]
         known = last is not None and (target.robot, target.frame) in last.frames
         return known or any(entry.at <= target.at for entry in coming)

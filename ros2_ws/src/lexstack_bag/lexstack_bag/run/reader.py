@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from lexstack.errors import ConfigurationError, InputError
-from lexstack.references import WIDTHS, Setting, decode
+from lexstack.references import WIDTHS, Moving, Setting, decode
 from lexstack.robots import Team
 from lexstack_bag.errors import BagError
 from lexstack_bag.run.columns import StreamBuilder, seconds
@@ -161,6 +161,7 @@ class _Collector:
         self._only = only
         self.stretches = Stretches()
         self._resolved = resolved
+        self._arms = [len(robot.mid_range) for robot in team.robots]
         self._counts: dict[str, int] = defaultdict(int)
         self.losses: dict[str, LossCounter] = defaultdict(LossCounter)
         self._plant = StreamBuilder(PlantStream, team.n, "first", team.nq)
@@ -242,10 +243,16 @@ class _Collector:
         """Take a decision on references; one for an earlier time follows a reset of the plant."""
         value = self._decode(message)
         vectors = {name: getattr(value, name) for name in WIDTHS}
-        robots = len(self._resolved.scenario.robots)
+        names = list(self._resolved.scenario.robots)
         try:
-            at = seconds(value.header.stamp)
-            setting = decode(at, value.revision, vectors, robots, DECISIONS)
+            moving = [
+                Moving(names.index(m.robot), m.of, m.kind, m.values, m.lead, m.frame)
+                for m in getattr(value, "trajectories", ())  # older bags have none
+                if m.robot in names
+            ]
+            at, where = seconds(value.header.stamp), DECISIONS
+            rest = {"moving": moving, "arms": self._arms}
+            setting = decode(at, value.revision, vectors, len(names), where, **rest)
         except InputError:
             return  # the solver refused it, too
         if self._settings and setting.at < self._settings[-1].at:

@@ -13,8 +13,9 @@ from lexstack.errors import InputError
 from lexstack.types import RobotState
 from lexstack_config.parts import Parts, build_controller
 from lexstack_interfaces.msg import Chi, TransitionStatus
-from lexstack_ros.controller.references import Decisions, TargetTopics
+from lexstack_ros.controller.references import Decisions, load_ahead
 from lexstack_ros.controller.switch_services import Requests
+from lexstack_ros.controller.target_topics import TargetTopics
 from lexstack_ros.intake.drain import waiting
 from lexstack_ros.intake.plant_states import PlantStates
 from lexstack_ros.messages.conversions import WORLD, chi_of_command, to_sample, transition_status
@@ -59,10 +60,17 @@ class HqpControllerNode(Node):
         self._status.header.frame_id = WORLD
         self._chi_out = self.create_publisher(Chi, "/robot_a/chi", STREAM)
         self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
-        self._targets = TargetTopics(self, self._parts.team, self._controller.references)
+        self._targets = TargetTopics(
+            self,
+            self._parts.team,
+            self._controller.references,
+            self._resolved.scenario.references,
+            self._resolved.stacks.values(),
+        )
         self._decisions = Decisions(
             self, self._parts.team, self._controller.references, self._chi.sender
         )
+        load_ahead(self._resolved.scenario.mode)
         self._late_start = round(_LATE_START * self._resolved.scenario.rate)
         self._source = self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
         self.create_subscription(JointTrajectory, PLAN, self._on_plan, STREAM)
@@ -87,6 +95,7 @@ class HqpControllerNode(Node):
 
     def _on_state(self, state: RobotState) -> None:
         """Serve a new state, or keep it until the source's chi is there."""
+        self._targets.see(state)
         away = self._absence.arrive(state.tick)
         if away:
             self._controller.transition.note(away)

@@ -16,7 +16,7 @@ from lexstack.transition import Announcement, SourceSchedule
 from lexstack.types import RobotState
 from lexstack_config.parts import Parts, build_stack_solver
 from lexstack_interfaces.msg import Chi, References, StackRequest
-from lexstack_ros.controller.references import KEPT, HeardReferences
+from lexstack_ros.controller.references import KEPT, HeardReferences, load_ahead
 from lexstack_ros.intake.plant_states import PlantStates
 from lexstack_ros.messages.conversions import WORLD, to_announcement, to_array, to_seconds, to_time
 from lexstack_ros.messages.qos import LATCHED, LATEST, STREAM
@@ -53,6 +53,7 @@ class StackSolverNode(Node):
         self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
         team = self._parts.team
         self._references = HeardReferences(self, team, on_news=self._on_references)
+        load_ahead(self._resolved.scenario.mode)
         self._kept = self.create_publisher(References, KEPT, LATEST) if number == 1 else None
         self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
         Diagnostics(self, self._health)
