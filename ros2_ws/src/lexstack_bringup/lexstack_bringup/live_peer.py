@@ -110,6 +110,7 @@ class LivePeer:
                 method=wish.method,
                 at_tick=wish.at_tick,
                 robots=list(wish.robots),
+                stack_yaml=wish.text,
             )
             answer = self._call(self._switch, request)
             if not answer.accepted:

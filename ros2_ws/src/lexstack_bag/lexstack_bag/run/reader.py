@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 from bisect import bisect_right
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
@@ -16,6 +17,7 @@ import numpy as np
 from lexstack.errors import ConfigurationError, InputError
 from lexstack.references import WIDTHS, Setting, decode
 from lexstack.robots import Team
+from lexstack.tasks import StackConfig
 from lexstack_bag.errors import BagError
 from lexstack_bag.run.columns import StreamBuilder, seconds
 from lexstack_bag.run.loss import LossCounter
@@ -45,6 +47,7 @@ from lexstack_bag.topics import (
 )
 from lexstack_config.parts import build_team
 from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.sent_stacks import read_stack
 
 _BROUGHT = "lexstack_experiments"
 """Brings the methods and solvers that were the library's own when bags had no extensions."""
@@ -213,10 +216,11 @@ class _Collector:
         if not len(plant.tick):
             raise BagError(f"{path}: holds no message of {PLANT_STATE}")
         chi = {topic.split("/")[1]: builder.build() for topic, builder in self._chi.items()}
+        requested = self._requests()
         return Run(
             path,
             provenance,
-            self._resolved,
+            with_sent(self._resolved, requested),
             plant,
             {node: last for node, (last, _) in chi.items()},
             self._transition.build(),
@@ -224,7 +228,7 @@ class _Collector:
             dict(sorted(self._counts.items())),
             _lost(container, self.losses),
             container.complete,
-            self._requests(),
+            requested,
             {node: replaced for node, (_, replaced) in chi.items()},
             self._plan_topics.build(),
             tuple(self._settings),
@@ -279,8 +283,20 @@ class _Collector:
             after = int(ticks[before - 1]) if before else -1
             robots = tuple(getattr(message, "robots", ()))  # older bags have none
             entry = message.id, message.stack, message.start_tick, message.active, robots
-            found.append(StackRequested(after, *entry))
+            found.append(StackRequested(after, *entry, getattr(message, "stack_yaml", "")))
         return tuple(found)
+
+
+def with_sent(resolved: ResolvedScenario, requested: Iterable[StackRequested]) -> ResolvedScenario:
+    """Return a scenario with the stacks that users sent in its run beside its own."""
+    stacks: dict[str, StackConfig] = dict(resolved.stacks)
+    for request in requested:
+        if request.text and request.stack not in stacks:
+            try:
+                stacks[request.stack] = read_stack(request.text)
+            except ConfigurationError:
+                continue  # the solver refused it, too
+    return replace(resolved, stacks=stacks) if len(stacks) > len(resolved.stacks) else resolved
 
 
 def _lost(container: Container, losses: dict[str, LossCounter]) -> int:
