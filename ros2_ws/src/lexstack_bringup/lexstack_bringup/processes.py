@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from lexstack_bringup.naming import Naming
 from lexstack_bringup.supervisor import Supervisor
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.scenario import ScenarioConfig
@@ -24,6 +25,7 @@ NODES = {
 }
 PLANNERS = {HTMPC: "lexstack_ros.planner.node"}  # in runs with sequences
 MODULES = {**PLANNERS, **NODES}
+PLAIN = Naming()
 _READY_TIMEOUT = 60.0  # s of wall time, on a slow machine
 
 
@@ -33,11 +35,11 @@ def nodes_of(scenario: ScenarioConfig) -> tuple[str, ...]:
     return (*NODES, *more, *PLANNERS) if scenario.plans else (*NODES, *more)
 
 
-def arguments_of(node: str, parameters: Mapping[str, str]) -> list[str]:
+def arguments_of(node: str, parameters: Mapping[str, str], naming: Naming = PLAIN) -> list[str]:
     """Return the command line of a node; ``parameters`` as YAML."""
-    given, names = dict(parameters), []
+    given, names = dict(parameters), naming.rules
     if node != base_of(node):
-        names = ["-r", f"__node:={node}"]
+        names += ["-r", f"__node:={node}"]
         given["number"] = node.removeprefix(f"{SOLVER}_")
     pairs = [word for key, value in given.items() for word in ("-p", f"{key}:={value}")]
     return ["--ros-args", *names, *pairs]
@@ -52,6 +54,7 @@ def bring_up(
     nodes: Sequence[str] | None = None,
     timeout: float = _READY_TIMEOUT,
     recording: Mapping[str, str] | None = None,
+    naming: Naming = PLAIN,
 ) -> None:
     """Start nodes of a run and wait until each may be relied on.
 
@@ -63,6 +66,7 @@ def bring_up(
         nodes: those to start here, as ``nodes_of`` names them, others are left out; None: all.
         timeout: of wall time until all are connected with each other and with the peers [s].
         recording: more parameters of the recorder, as YAML.
+        naming: under which names they meet.
 
     Raises:
         ChildDiedError: one ended; NotReadyError: one was not ready in time.
@@ -75,5 +79,5 @@ def bring_up(
         if name == RECORDER:
             given |= {"output": str(bag), **(recording or {})}
         given["peers"] = ",".join([*(other for other in chosen if other != name), *peers])
-        supervisor.start(name, MODULES[base_of(name)], arguments_of(name, given))
+        supervisor.start(name, MODULES[base_of(name)], arguments_of(name, given, naming))
     supervisor.wait_printed(chosen, READY, timeout)

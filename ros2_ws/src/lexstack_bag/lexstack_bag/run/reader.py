@@ -44,6 +44,7 @@ from lexstack_bag.topics import (
     SCENARIO,
     SOLUTION,
     TRANSITION,
+    role_names,
 )
 from lexstack_config.parts import build_team
 from lexstack_config.resolved import ResolvedScenario
@@ -109,13 +110,15 @@ def read_provenance(container: Container) -> tuple[dict[str, str], ResolvedScena
     """Return what a bag says about its run, and the scenario.
 
     The scenario stands in a Metadata record if lexstack's recorder wrote the bag; in any other bag
-    it is the message that the controller publishes.
+    it is the message that the controller publishes. From then on the container tells topics
+    without the namespace of the run.
 
     Raises:
         BagError: the bag has neither.
     """
     path = container.files[0]
     provenance = container.first_metadata(SCENARIO_RECORD)
+    container.namespace = provenance.pop("namespace", "")
     text = provenance.pop("scenario", None) or _published_scenario(container)
     if text is None:
         raise BagError(
@@ -141,11 +144,36 @@ def _since() -> dict[str, object]:
 
 
 def _published_scenario(container: Container) -> str | None:
-    """Return the scenario that the controller published, or None; raises BagError."""
-    decode = Decoder()
+    """Return the scenario that a controller published, or None; raises BagError.
+
+    The container takes over its namespace. Of several cells that without a namespace counts; where
+    all have one, the bag does not say which is meant.
+    """
+    decode, found = Decoder(), dict[str, str]()
     for message in container.messages():
-        if message.topic == SCENARIO:
-            return str(getattr(decode(message), "data", ""))
+        cell = _cell_of(message.topic)
+        if cell is not None:
+            found.setdefault(cell, str(getattr(decode(message), "data", "")))
+            there = {_cell_of(topic) for topic in container.topics} - {None}
+            if not cell or found.keys() >= there:
+                break
+    if not found:
+        return None
+    if "" not in found and len(found) > 1:
+        raise BagError(
+            f"{container.files[0]}: holds the runs of {', '.join(sorted(found))}; record each in a "
+            f"bag of its own: ros2 bag record --regex '^{min(found)}/'"
+        )
+    container.namespace = min(found)
+    container.topics.clear()
+    return found[container.namespace]
+
+
+def _cell_of(topic: str) -> str | None:
+    """Return the namespace of a controller whose scenario is on a topic, None for other topics."""
+    for name in (SCENARIO, role_names()[SCENARIO]):
+        if topic.endswith(name):
+            return topic.removesuffix(name)
     return None
 
 

@@ -23,6 +23,7 @@ from lexstack_bringup.commands.demo import (
     tell_unfit,
 )
 from lexstack_bringup.hosts import SERVER, VARIABLES, HostsConfig, load_hosts
+from lexstack_bringup.naming import Naming
 from lexstack_bringup.player import PLAYER
 from lexstack_bringup.processes import NODES, PLANNERS, bring_up, nodes_of
 from lexstack_bringup.shared_memory import remove_abandoned
@@ -45,7 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
         host = hosts.share(only)
         resolved = resolve_scenario(root, options)
         needed = hosts.needed((*nodes_of(resolved.scenario), PLAYER), resolved.scenario.name)
-        share = Share(host, hosts, only, needed)
+        share = Share(host, hosts, only, needed, Naming.of(options))
         out = run_folder(root, options.out, f"{resolved.scenario.name}-{share.host}")
     except ConfigurationError as error:
         print(f"error: {error}", file=sys.stderr)
@@ -63,11 +64,17 @@ class Share:
     """What one host runs."""
 
     def __init__(
-        self, host: str, hosts: HostsConfig, only: Sequence[str], needed: Sequence[str]
+        self,
+        host: str,
+        hosts: HostsConfig,
+        only: Sequence[str],
+        needed: Sequence[str],
+        naming: Naming,
     ) -> None:
         """Take the nodes ``only`` of ``host``; those that are not ``needed`` stay away."""
         self.host = host
         self._hosts = hosts
+        self._naming = naming
         self._only = [node for node in only if node in needed]
         self._away = [node for node in only if node not in needed]
         self._peers = [node for node in needed if node not in only and node != SERVER]
@@ -112,12 +119,13 @@ class Share:
         """Start the nodes, and say when they are connected with all others."""
         path, bag = out / "scenario.yaml", out / "bag"
         peers = [*self._peers, *users]
-        bring_up(supervisor, path, bag, peers, nodes=self._only, timeout=self._hosts.wait)
+        wait, naming = self._hosts.wait, self._naming
+        bring_up(supervisor, path, bag, peers, nodes=self._only, timeout=wait, naming=naming)
         print(f"{self.host}: all nodes are connected", flush=True)
 
     def _play(self, resolved: ResolvedScenario, supervisor: Supervisor, out: Path) -> None:
         """Bring up, and play the scenario from this process."""
-        with player_of(resolved) as player:
+        with player_of(resolved, self._naming) as player:
             self._bring_up(supervisor, out, users=[PLAYER])
             play_shown(resolved, player, supervisor)
             print(f"{self.host}: the scenario has been played", flush=True)

@@ -25,8 +25,9 @@ from lexstack_bag.figures.goals import summary_lines
 from lexstack_bag.storage.folders import empty_folder
 from lexstack_bringup.domain import own_domain
 from lexstack_bringup.live_page import start_page
+from lexstack_bringup.naming import Naming, add_naming_arguments
 from lexstack_bringup.player import PLAYER, Player
-from lexstack_bringup.processes import bring_up
+from lexstack_bringup.processes import PLAIN, bring_up
 from lexstack_bringup.supervisor import Supervisor
 from lexstack_config.available import FOR_OTHERS
 from lexstack_config.checked import checked
@@ -52,13 +53,13 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         options = _parser(root).parse_args(arguments)
         resolved = resolve_scenario(root, options)
-        recording = recorder_parameters(options)
+        recording, naming = recorder_parameters(options), Naming.of(options)
         out = run_folder(root, options.out, resolved.scenario.name)
     except ConfigurationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     try:
-        return _run(resolved, out, recording, view=options.view)
+        return _run(resolved, out, recording, naming, view=options.view)
     except LexstackError as error:
         print(f"\nerror: {error}\nlogs: {out / 'logs'}", file=sys.stderr)
         return 1
@@ -107,6 +108,7 @@ def add_run_arguments(parser: argparse.ArgumentParser, root: Path) -> None:
         help="lockstep: every tick waits for its command, reproducible; realtime: the wall's clock",
     )
     parser.add_argument("--seed", type=int, help="of everything random in the plant")
+    add_naming_arguments(parser)
 
 
 def _scenarios(root: Path) -> list[str]:
@@ -169,7 +171,14 @@ def run_folder(root: Path, out: Path | None, scenario: str) -> Path:
     return empty_folder(out)
 
 
-def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *, view: bool) -> int:
+def _run(
+    resolved: ResolvedScenario,
+    out: Path,
+    recording: Mapping[str, str],
+    naming: Naming,
+    *,
+    view: bool,
+) -> int:
     """Bring up, play, end, analyse; returns the exit code."""
     scenario = resolved.scenario
     (out / "scenario.yaml").write_text(resolved.to_yaml(), encoding="utf-8")
@@ -184,7 +193,7 @@ def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *,
         os.environ.update(environment)
         supervisor = Supervisor(out / "logs", environment)
         try:
-            _play(resolved, supervisor, out, recording, view=view)
+            _play(resolved, supervisor, out, recording, naming, view=view)
         finally:
             # From here on a second Ctrl-C changes nothing: all ends in order.
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -204,22 +213,23 @@ def _play(
     supervisor: Supervisor,
     out: Path,
     recording: Mapping[str, str],
+    naming: Naming,
     *,
     view: bool,
 ) -> None:
     """Bring up the processes and play the scenario, with a line of progress."""
-    with player_of(resolved) as player:
+    with player_of(resolved, naming) as player:
         path, bag = out / "scenario.yaml", out / "bag"
         if view:
-            print(f"watch it at {start_page(supervisor, path)}", flush=True)
-        bring_up(supervisor, path, bag, peers=[PLAYER], recording=recording)
+            print(f"watch it at {start_page(supervisor, path, naming)}", flush=True)
+        bring_up(supervisor, path, bag, peers=[PLAYER], recording=recording, naming=naming)
         play_shown(resolved, player, supervisor)
 
 
 @contextmanager
-def player_of(resolved: ResolvedScenario) -> Iterator[Player]:
+def player_of(resolved: ResolvedScenario, naming: Naming = PLAIN) -> Iterator[Player]:
     """Yield the player of a scenario, a node of this process."""
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    rclpy.init(args=["--ros-args", *naming.rules], signal_handler_options=SignalHandlerOptions.NO)
     executor = EventsExecutor()
     player = Player(resolved, executor)
     try:

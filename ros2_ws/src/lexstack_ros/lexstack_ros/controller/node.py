@@ -18,6 +18,7 @@ from lexstack_ros.controller.switch_services import Requests
 from lexstack_ros.intake.drain import waiting
 from lexstack_ros.intake.plant_states import PlantStates
 from lexstack_ros.messages.conversions import WORLD, chi_of_command, to_sample, transition_status
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.plans import PLAN, to_plan
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.absence import Absence
@@ -57,15 +58,15 @@ class HqpControllerNode(Node):
         self._chi.header.frame_id = WORLD
         self._status = TransitionStatus()
         self._status.header.frame_id = WORLD
-        self._chi_out = self.create_publisher(Chi, "/robot_a/chi", STREAM)
-        self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
+        self._chi_out = self.create_publisher(Chi, "robot_a/chi", STREAM)
+        self._status_out = self.create_publisher(TransitionStatus, "robot_a/transition", STREAM)
         self._targets = TargetTopics(self, self._parts.team, self._controller.references)
         self._decisions = Decisions(
             self, self._parts.team, self._controller.references, self._chi.sender
         )
         self._late_start = round(_LATE_START * self._resolved.scenario.rate)
-        self._source = self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
-        self.create_subscription(JointTrajectory, PLAN, self._on_plan, STREAM)
+        self._source = self.create_subscription(Chi, "robot_b/chi", self._on_source, STREAM)
+        self.create_subscription(JointTrajectory, relative(PLAN), self._on_plan, STREAM)
         self._scenario_out = tell_scenario(self, self._resolved)
         self._requests = Requests(
             self, self._controller.transition, self._resolved, self._parts.team

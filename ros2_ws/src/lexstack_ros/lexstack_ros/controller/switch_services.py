@@ -36,12 +36,12 @@ class Requests:
         self._team = team
         self._sent = SentStacks(team, resolved.stacks, resolved.unfit)
         self._stamp = 0.0
-        self._out = node.create_publisher(StackRequest, "/robot_a/stack_request", LATCHED)
+        self._out = node.create_publisher(StackRequest, "robot_a/stack_request", LATCHED)
         node.create_service(
-            SwitchStack, "/robot_a/switch_stack", self._on_switch, qos_profile=SERVICE
+            SwitchStack, "robot_a/switch_stack", self._on_switch, qos_profile=SERVICE
         )
-        node.create_service(Trigger, "/robot_a/cancel_transition", self._on_cancel)
-        node.create_subscription(String, "/robot_a/request_stack", self._on_request, STREAM)
+        node.create_service(Trigger, "robot_a/cancel_transition", self._on_cancel)
+        node.create_subscription(String, "robot_a/request_stack", self._on_request, STREAM)
         self._parameters = TransitionParameters(
             node, resolved.scenario.transition, self._on_parameters
         )

@@ -71,6 +71,11 @@ def brief(text: str) -> str:
     return text[: _LONGEST - len(tail)] + tail
 
 
+def full_name(node: Node) -> str:
+    """Return a node's name with its namespace: hqp_controller, cell1/hqp_controller."""
+    return node.get_fully_qualified_name().removeprefix("/")
+
+
 class Diagnostics:
     """Publishes a node's health to /diagnostics."""
 
@@ -80,7 +85,7 @@ class Diagnostics:
         self._health = health
         self._period = period
         self._reported = time.monotonic()
-        self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._publisher = node.create_publisher(DiagnosticArray, "diagnostics", 10)
         node.create_timer(period, self._publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def catch_up(self) -> None:
@@ -94,7 +99,7 @@ class Diagnostics:
         health = self._health()
         status = DiagnosticStatus(
             level=DiagnosticStatus.WARN if health.message else DiagnosticStatus.OK,
-            name=self._node.get_name(),
+            name=full_name(self._node),
             message=brief(health.message) or "ok",
             hardware_id=OURS,
             values=[KeyValue(key=key, value=brief(value)) for key, value in health.values.items()],

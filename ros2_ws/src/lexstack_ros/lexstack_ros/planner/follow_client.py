@@ -17,6 +17,7 @@ from lexstack_bag.topics import REQUEST
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_interfaces.msg import StackRequest, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_ros.planner.goals import Job
 
@@ -44,10 +45,10 @@ class FollowClient:
         self._on_answer = on_answer
         self._requested: dict[Future, tuple[Job, bool, float]] = {}
         self._now: dict[str, str] = {}  # by robot: the stack that it is on or goes to
-        self._client = node.create_client(SwitchStack, "/robot_a/switch_stack")
-        node.create_subscription(TransitionStatus, "/robot_a/transition", self._on_status, STREAM)
+        self._client = node.create_client(SwitchStack, "robot_a/switch_stack")
+        node.create_subscription(TransitionStatus, "robot_a/transition", self._on_status, STREAM)
         # Of these the stacks that users sent: the way back may lead to one of them.
-        node.create_subscription(StackRequest, REQUEST, self._on_announced, LATCHED)
+        node.create_subscription(StackRequest, relative(REQUEST), self._on_announced, LATCHED)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(_LOOK, self._on_look, clock=wall)
 

@@ -19,6 +19,7 @@ from lexstack_config.parts import build_team
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import Sequence, SequenceStatus
 from lexstack_ros.intake.plant_states import PlantStates
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.plans import (
     PLAN,
     joint_names,
@@ -67,14 +68,14 @@ class HtmpcNode(Node):
         for robot in sorted(map(self._team.index, named or scenario.robots)):
             if robot in driving:
                 self._runner(robot)
-        self._plan_out = self.create_publisher(JointTrajectory, PLAN, STREAM)
-        self._status_out = self.create_publisher(SequenceStatus, "/htmpc/status", STREAM)
-        self._sequence_out = self.create_publisher(Sequence, "/htmpc/sequence", LATCHED)
+        self._plan_out = self.create_publisher(JointTrajectory, relative(PLAN), STREAM)
+        self._status_out = self.create_publisher(SequenceStatus, "htmpc/status", STREAM)
+        self._sequence_out = self.create_publisher(Sequence, "htmpc/sequence", LATCHED)
         self._follow_client = FollowClient(self, self._team, self._resolved, self._on_answer)
         self._action = GoalServer(
             self,
             ExecuteSequence,
-            ACTION,
+            relative(ACTION),
             execute_callback=self._execute,
             goal_callback=self._on_request,
             handle_accepted_callback=self._on_goal,

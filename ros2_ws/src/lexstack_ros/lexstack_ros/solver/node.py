@@ -23,6 +23,7 @@ from lexstack_interfaces.msg import Chi, References, StackRequest
 from lexstack_ros.controller.references import KEPT, HeardReferences
 from lexstack_ros.intake.plant_states import PlantStates
 from lexstack_ros.messages.conversions import WORLD, to_announcement, to_array, to_seconds, to_time
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import LATCHED, LATEST, STREAM
 from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
@@ -54,11 +55,13 @@ class StackSolverNode(Node):
         self._meter = Meter()
         self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
         self._chi.header.frame_id = WORLD
-        self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
+        self._chi_out = self.create_publisher(Chi, "robot_b/chi", STREAM)
         team = self._parts.team
         self._references = HeardReferences(self, team, on_news=self._on_references)
-        self._kept = self.create_publisher(References, KEPT, LATEST) if number == 1 else None
-        self.create_subscription(StackRequest, REQUEST, self._on_request, LATCHED)
+        self._kept = (
+            self.create_publisher(References, relative(KEPT), LATEST) if number == 1 else None
+        )
+        self.create_subscription(StackRequest, relative(REQUEST), self._on_request, LATCHED)
         Diagnostics(self, self._health)
         newest = int(self._resolved.scenario.mode == "realtime")
         self._states = PlantStates(
