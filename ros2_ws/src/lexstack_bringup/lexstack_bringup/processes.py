@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from lexstack_bringup.naming import Naming
 from lexstack_bringup.supervisor import Supervisor
@@ -37,12 +38,33 @@ def nodes_of(scenario: ScenarioConfig) -> tuple[str, ...]:
 
 def arguments_of(node: str, parameters: Mapping[str, str], naming: Naming = PLAIN) -> list[str]:
     """Return the command line of a node; ``parameters`` as YAML."""
-    given, names = dict(parameters), naming.rules
+    names = naming.rules
     if node != base_of(node):
         names += ["-r", f"__node:={node}"]
-        given["number"] = node.removeprefix(f"{SOLVER}_")
+    given = numbered(node, parameters)
     pairs = [word for key, value in given.items() for word in ("-p", f"{key}:={value}")]
     return ["--ros-args", *names, *pairs]
+
+
+def numbered(node: str, parameters: Mapping[str, str]) -> dict[str, str]:
+    """Return the parameters of a node, with its number if it is one of several solvers."""
+    number = {"number": node.removeprefix(f"{SOLVER}_")} if node != base_of(node) else {}
+    return {**parameters, **number}
+
+
+def executable_of(node: str) -> tuple[str, str]:
+    """Return package and executable of a node, as ``ros2 run`` takes them."""
+    return MODULES[base_of(node)].partition(".")[0], base_of(node)
+
+
+def parameters_of(node: str, scenario: Path, bag: Path, nodes: Sequence[str]) -> dict[str, Any]:
+    """Return the parameters of a node that is started with ``nodes``, itself one of them."""
+    given = {"scenario": str(scenario)}
+    if node == RECORDER:
+        given["output"] = str(bag)
+    given["peers"] = ",".join(other for other in nodes if other != node)
+    found: dict[str, Any] = numbered(node, given)
+    return found | ({"number": int(found["number"])} if "number" in found else {})
 
 
 def bring_up(

@@ -149,24 +149,20 @@ def _published_scenario(container: Container) -> str | None:
     The container takes over its namespace. Of several cells that without a namespace counts; where
     all have one, the bag does not say which is meant.
     """
-    decode, found = Decoder(), dict[str, str]()
-    for message in container.messages():
-        cell = _cell_of(message.topic)
-        if cell is not None:
-            found.setdefault(cell, str(getattr(decode(message), "data", "")))
-            there = {_cell_of(topic) for topic in container.topics} - {None}
-            if not cell or found.keys() >= there:
-                break
-    if not found:
-        return None
-    if "" not in found and len(found) > 1:
+    cells = sorted(
+        cell for cell in map(_cell_of, container.topics_of_all_files()) if cell is not None
+    )
+    if len(cells) > 1 and cells[0]:
         raise BagError(
-            f"{container.files[0]}: holds the runs of {', '.join(sorted(found))}; record each in a "
-            f"bag of its own: ros2 bag record --regex '^{min(found)}/'"
+            f"{container.files[0]}: holds the runs of {', '.join(cells)}; record each in a bag of "
+            f"its own: ros2 bag record --regex '^{cells[0]}/'"
         )
-    container.namespace = min(found)
-    container.topics.clear()
-    return found[container.namespace]
+    container.namespace = cells[0] if cells else ""
+    decode = Decoder()
+    for message in container.messages() if cells else ():
+        if message.topic == SCENARIO:
+            return str(getattr(decode(message), "data", ""))
+    return None
 
 
 def _cell_of(topic: str) -> str | None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile, McapError
 from mcap.opcode import Opcode
+from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 from zstandard import ZstdError
@@ -86,6 +87,27 @@ class Container:
                 if isinstance(record, Metadata) and record.name == name:
                     return dict(record.metadata)
         return {}
+
+    def topics_of_all_files(self) -> set[str]:
+        """Return the names of all topics, those outside of the namespace too.
+
+        They stand in the index at the end of each file; of a file without one all is read.
+        """
+        found: set[str] = set()
+        for path in self.files:
+            try:
+                with path.open("rb") as stream:
+                    summary = make_reader(stream).get_summary()
+            except (OSError, McapError, struct.error, ValueError):
+                summary = None
+            if summary is None or not summary.channels:
+                whole = Container([path])
+                for _ in whole.messages():
+                    pass
+                found.update(whole.topics)
+            else:
+                found.update(channel.topic for channel in summary.channels.values())
+        return found
 
     def messages(self, progress: Progress = lambda _part: None) -> Iterator[RawMessage]:
         """Yield every message; raises BagError for what is not a bag or is damaged."""

@@ -28,6 +28,7 @@ from lexstack_bringup.player import PLAYER
 from lexstack_bringup.processes import NODES, PLANNERS, bring_up, nodes_of
 from lexstack_bringup.shared_memory import remove_abandoned
 from lexstack_bringup.supervisor import Supervisor
+from lexstack_config.own_folder import own_config, own_root
 from lexstack_config.resolved import ResolvedScenario
 
 _LOOK = 0.2  # s between two looks whether all still run
@@ -36,15 +37,15 @@ _KNOWN = (*NODES, *PLANNERS, PLAYER, SERVER)
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command; returns 0, 1 where a node failed, 2 for bad arguments, 130 for Ctrl-C."""
-    root = Path(os.environ.get("LEXSTACK_ROOT", ".")).resolve()
+    root, config = own_root(), own_config()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, interrupt)
     try:
-        options = _parser(root).parse_args(arguments)
-        hosts = load_hosts(_host_file(root, options.host_config), _KNOWN)
+        options = _parser(config).parse_args(arguments)
+        hosts = load_hosts(_host_file(config, options.host_config), _KNOWN)
         only = [name.strip() for name in options.only.split(",") if name.strip()]
         host = hosts.share(only)
-        resolved = resolve_scenario(root, options)
+        resolved = resolve_scenario(config, options)
         needed = hosts.needed((*nodes_of(resolved.scenario), PLAYER), resolved.scenario.name)
         share = Share(host, hosts, only, needed, Naming.of(options))
         out = run_folder(root, options.out, f"{resolved.scenario.name}-{share.host}")
@@ -147,7 +148,7 @@ def _end(supervisor: Supervisor) -> None:
     remove_abandoned()
 
 
-def _parser(root: Path) -> argparse.ArgumentParser:
+def _parser(config: Path) -> argparse.ArgumentParser:
     """Return the command line."""
     parser = argparse.ArgumentParser(
         prog="./scripts/bringup",
@@ -163,13 +164,13 @@ def _parser(root: Path) -> argparse.ArgumentParser:
         metavar="FILE",
         help="which node runs where: a file, or the name of one in config/hosts",
     )
-    add_run_arguments(parser, root)
+    add_run_arguments(parser, config)
     return parser
 
 
-def _host_file(root: Path, given: str) -> Path:
+def _host_file(config: Path, given: str) -> Path:
     """Return a configured file by its name, or any file."""
-    configured = root / "config" / "hosts" / f"{given}.yaml"
+    configured = config / "hosts" / f"{given}.yaml"
     return configured if is_file(configured) else Path(given)
 
 

@@ -31,6 +31,7 @@ from lexstack_bringup.processes import PLAIN, bring_up
 from lexstack_bringup.supervisor import Supervisor
 from lexstack_config.available import FOR_OTHERS
 from lexstack_config.checked import checked
+from lexstack_config.own_folder import own_config, own_root
 from lexstack_config.resolved import ResolvedScenario, load_scenario
 from lexstack_interfaces.msg import TransitionStatus
 from lexstack_ros.messages.names import PAGE
@@ -49,10 +50,10 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command; returns 0, 1 where the run failed, 2 for bad arguments, 130 for Ctrl-C."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, interrupt)
-    root = Path(os.environ.get("LEXSTACK_ROOT", ".")).resolve()
+    root, config = own_root(), own_config()
     try:
-        options = _parser(root).parse_args(arguments)
-        resolved = resolve_scenario(root, options)
+        options = _parser(config).parse_args(arguments)
+        resolved = resolve_scenario(config, options)
         recording, naming = recorder_parameters(options), Naming.of(options)
         out = run_folder(root, options.out, resolved.scenario.name)
     except ConfigurationError as error:
@@ -68,14 +69,14 @@ def main(arguments: list[str] | None = None) -> int:
         return 130
 
 
-def _parser(root: Path) -> argparse.ArgumentParser:
+def _parser(config: Path) -> argparse.ArgumentParser:
     """Return the command line."""
     parser = argparse.ArgumentParser(
         prog="./scripts/demo",
         description="Run a scenario through all processes: simulation, controller, solver, "
         "recorder; then analyse its bag.",
     )
-    add_run_arguments(parser, root)
+    add_run_arguments(parser, config)
     parser.add_argument(
         "--view", action="store_true", help="serve a page that shows the run, with buttons"
     )
@@ -83,9 +84,9 @@ def _parser(root: Path) -> argparse.ArgumentParser:
     return parser
 
 
-def add_run_arguments(parser: argparse.ArgumentParser, root: Path) -> None:
+def add_run_arguments(parser: argparse.ArgumentParser, config: Path) -> None:
     """Add what says which run: scenario, folder, mode, seed."""
-    known = ", ".join(_scenarios(root))
+    known = ", ".join(_scenarios(config))
     parser.add_argument(
         "scenario",
         nargs="?",
@@ -111,12 +112,12 @@ def add_run_arguments(parser: argparse.ArgumentParser, root: Path) -> None:
     add_naming_arguments(parser)
 
 
-def _scenarios(root: Path) -> list[str]:
+def _scenarios(config: Path) -> list[str]:
     """Return the names of the configured scenarios."""
-    return sorted(path.stem for path in (root / "config" / "scenarios").glob("*.yaml"))
+    return sorted(path.stem for path in (config / "scenarios").glob("*.yaml"))
 
 
-def resolve_scenario(root: Path, options: argparse.Namespace) -> ResolvedScenario:
+def resolve_scenario(config: Path, options: argparse.Namespace) -> ResolvedScenario:
     """Return the scenario with the command line's values put in, checked with all that it names.
 
     What is wrong shows here, before a folder is made or a process started.
@@ -124,14 +125,13 @@ def resolve_scenario(root: Path, options: argparse.Namespace) -> ResolvedScenari
     Raises:
         ConfigurationError: something is wrong; the text names file and key.
     """
-    config = root / "config"
     for folder in options.config:
         if not folder.is_dir():
             raise ConfigurationError(f"--config: there is no folder {shown(str(folder))}")
     named = [each / "scenarios" / f"{options.scenario}.yaml" for each in (*options.config, config)]
     path = next((each for each in (*named, Path(options.scenario)) if is_file(each)), None)
     if path is None:
-        known = ", ".join(_scenarios(root))
+        known = ", ".join(_scenarios(config))
         raise ConfigurationError(f"unknown scenario {shown(options.scenario)}; known: {known}")
     first = options.config
     resolved = checked(load_scenario(path, config, first), config, path, first)
