@@ -184,8 +184,9 @@ class SimBridge(Node):
         status, counters = self._plant.status, dataclasses.asdict(self._plant.counters)
         rejection, self._rejection = self._rejection, ""
         waits = "" if status == Status.FOLLOWING else f"{status.name.lower()}: no command comes"
+        braking = status == Status.BRAKING
         return Health(
-            first(waits, rejection),
+            rejection if braking else first(waits, rejection),
             {
                 "tick": str(self._tick_cycle.state.tick),
                 "late ticks": str(self._pacer.late_ticks),
@@ -195,6 +196,7 @@ class SimBridge(Node):
                 "contact force [N]": f"{self._plant.contact_force:.1f}",
                 **{f"{name.replace('_', ' ')} ticks": str(n) for name, n in counters.items()},
             },
+            error=waits if braking else "",
         )
 
 

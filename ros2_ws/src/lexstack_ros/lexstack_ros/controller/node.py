@@ -49,6 +49,7 @@ class HqpControllerNode(Node):
         self._served = -1
         self._deadline = 0.0
         self._fallbacks = 0
+        self._braked = ""  # why, where no solution could be sent since the last report
         self._damped = 0  # ticks near a singularity
         self._near = ""  # the last of them since the last report
         self._meter = Meter()
@@ -160,6 +161,7 @@ class HqpControllerNode(Node):
             self.get_logger().warning(near, throttle_duration_sec=10.0)
         if command.fallback:
             self._fallbacks += 1
+            self._braked = command.fallback if command.brakes else self._braked
             self.get_logger().warning(command.fallback, throttle_duration_sec=1.0)
 
     # ---- the rest
@@ -182,6 +184,7 @@ class HqpControllerNode(Node):
         complaint, ages = self._states.report()
         failed = f"{self._fallbacks} ticks failed" if self._fallbacks else ""
         near, self._near = self._near, ""
+        braked, self._braked = self._braked, ""
         return Health(
             all_of(*self._complaints(), complaint, failed, near),
             {
@@ -195,6 +198,8 @@ class HqpControllerNode(Node):
                 "skipped states": str(self._states.skipped),
                 "refused messages": str(refused),
             },
+            error=braked,
+            stale=self._states.delays.silent,
         )
 
 

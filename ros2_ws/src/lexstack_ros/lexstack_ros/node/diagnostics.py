@@ -21,12 +21,26 @@ class Health:
     """How a node is.
 
     Attributes:
-        message: one line; empty: all is well.
+        message: one line of what is not as it should be, WARN; empty: all is well, OK.
         values: figures with their units in the key.
+        error: one line: why the node cannot do, or did not do, its work since the last report,
+            ERROR; empty: it can.
+        stale: whether the figures are old, as nothing came that they could be made from, STALE.
     """
 
     message: str = ""
     values: dict[str, str] = field(default_factory=dict)
+    error: str = ""
+    stale: bool = False
+
+    @property
+    def level(self) -> bytes:
+        """The level of diagnostic_msgs; what must be looked at first wins."""
+        if self.error:
+            return DiagnosticStatus.ERROR
+        if self.stale:
+            return DiagnosticStatus.STALE
+        return DiagnosticStatus.WARN if self.message else DiagnosticStatus.OK
 
 
 class Meter:
@@ -98,9 +112,9 @@ class Diagnostics:
         self._reported = time.monotonic()
         health = self._health()
         status = DiagnosticStatus(
-            level=DiagnosticStatus.WARN if health.message else DiagnosticStatus.OK,
+            level=health.level,
             name=full_name(self._node),
-            message=brief(health.message) or "ok",
+            message=brief(all_of(health.error, health.message)) or "ok",
             hardware_id=OURS,
             values=[KeyValue(key=key, value=brief(value)) for key, value in health.values.items()],
         )

@@ -61,6 +61,7 @@ class HtmpcNode(Node):
         self._later: list[Wish] = []
         self._meter = Meter()
         self._failures = 0
+        self._failed = 0  # of them those since the last report
         self._runners: dict[int, SequenceRunner] = {}
         driving = {i: robot for i, robot in enumerate(self._team.robots) if robot.has_base}
         self._reach = {i: Reach(robot, self._team.obstacles) for i, robot in driving.items()}
@@ -212,6 +213,7 @@ class HtmpcNode(Node):
         job.tell(status)
         self._meter.add(progress.plan.solve_time)
         self._failures += not progress.plan.solved
+        self._failed += not progress.plan.solved
         if job.stage is Stage.RUNNING and (job.cancelled or progress.sequence.done):
             job.end("" if progress.sequence.done else "cancelled")
             job.stage = Stage.LEAVING
@@ -268,6 +270,7 @@ class HtmpcNode(Node):
     def _health(self) -> Health:
         """Return how the node is."""
         complaint, ages = self._states.report()
+        failed, self._failed = self._failed, 0
         return Health(
             first(complaint, f"{self._failures} solves failed" if self._failures else ""),
             {
@@ -278,6 +281,8 @@ class HtmpcNode(Node):
                 "skipped states": str(self._states.skipped),
                 "refused messages": str(self._states.refused),
             },
+            error=f"{failed} plans were not solved" if failed else "",
+            stale=self._states.delays.silent,
         )
 
 

@@ -15,7 +15,7 @@ from lexstack_bag.run.provenance import run_provenance
 from lexstack_bag.storage.writer import BagWriter
 from lexstack_bag.topics import NEEDED, contract_topics
 from lexstack_ros.messages.names import relative
-from lexstack_ros.node.diagnostics import Diagnostics, Health, first
+from lexstack_ros.node.diagnostics import Diagnostics, Health
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter
 from lexstack_ros.node.readiness import Readiness
@@ -169,12 +169,13 @@ class Recorder(Node):
         """Return how the recording goes."""
         lost = sum(self._lost().values())
         return Health(
-            first(self._broken, f"{lost} messages lost" if lost else ""),
+            f"{lost} messages lost" if lost else "",
             {
                 "messages": str(self._writer.extent.total),
                 "topics": str(len(self._announced)),
                 "lost": str(lost),
             },
+            error=self._broken,
         )
 
 

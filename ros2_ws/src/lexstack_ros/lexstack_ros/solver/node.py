@@ -52,6 +52,7 @@ class StackSolverNode(Node):
         self._state: RobotState | None = None
         self._served: tuple[int, set[int]] = (-1, set())  # the last tick, and its transitions' ids
         self._failures = 0
+        self._failed = ""  # why a stack was not solved since the last report
         self._meter = Meter()
         self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
         self._chi.header.frame_id = WORLD
@@ -174,6 +175,7 @@ class StackSolverNode(Node):
         self._chi_out.publish(chi)
         if not usable:
             self._failures += 1
+            self._failed = f"not solved: {chi.stack}: {chi.reason or 'chi is not finite'}"
             self.get_logger().warning(solution.reason, throttle_duration_sec=1.0)
 
     def _restart(self) -> None:
@@ -187,6 +189,7 @@ class StackSolverNode(Node):
     def _health(self) -> Health:
         """Return how the node is."""
         complaint, ages = self._states.report()
+        failed, self._failed = self._failed, ""
         return Health(
             first(complaint, f"{self._failures} ticks failed" if self._failures else ""),
             {
@@ -197,6 +200,8 @@ class StackSolverNode(Node):
                 "skipped states": str(self._states.skipped),
                 "refused messages": str(self._states.refused + self._references.refused),
             },
+            error=failed,
+            stale=self._states.delays.silent,
         )
 
 
