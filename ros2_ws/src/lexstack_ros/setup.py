@@ -27,11 +27,15 @@ setup(
     ],
     entry_points={
         "console_scripts": [
+            "controller = lexstack_ros.controller.node:main",
             "hqp_controller = lexstack_ros.controller.node:main",
-            "stack_solver = lexstack_ros.solver.node:main",
+            "htmpc = lexstack_ros.planner.node:main",
             "recorder = lexstack_ros.recorder.node:main",
+            "solver = lexstack_ros.solver.node:main",
+            "stack_solver = lexstack_ros.solver.node:main",
             "view = lexstack_ros.view.node:main",
         ],
     },
+    extras_require={"test": ["pytest"]},  # by which colcon test finds test/
     zip_safe=False,
 )

@@ -57,7 +57,7 @@ def test_frames_are_published_once_and_latched_where_the_message_is_installed(mo
     node = FakeNode()
     assert tie_frames(node, ["robot_a", "robot_b"]) is not None
     kind, topic, qos = node.created
-    assert (kind, topic) == (Message, "/tf_static")
+    assert (kind, topic) == (Message, "tf_static"), "relative: a cell ties its own frames"
     assert qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
     assert qos.reliability == ReliabilityPolicy.RELIABLE
     (message,) = node.published

@@ -52,19 +52,19 @@ class Player(Node):
         self.adopted: list[str] = []
         self._resolved = resolved
         self._targets: dict[str, Publisher] = {
-            f"/{name}/{kind}": self.create_publisher(message, f"/{name}/{kind}", STREAM)
+            f"/{name}/{kind}": self.create_publisher(message, f"{name}/{kind}", STREAM)
             for name in resolved.scenario.robots
             for kind, message in TYPES.items()
             if kind in _ALWAYS or any(getattr(e, kind) for e in resolved.scenario.events)
         }
         self._streams = Streams(resolved, self._targets) if resolved.scenario.streams else None
-        self._switch = self.create_client(SwitchStack, "/robot_a/switch_stack")
-        self._pause = self.create_client(SetBool, "/sim_bridge/pause")
+        self._switch = self.create_client(SwitchStack, "robot_a/switch_stack")
+        self._pause = self.create_client(SetBool, "sim_bridge/pause")
         plans = resolved.scenario.plans
         self._sequences = SequenceClient(self, resolved.scenario) if plans else None
         self._peers = [node for node in nodes_of(resolved.scenario) if node != RECORDER]
-        self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
-        self.create_subscription(TransitionStatus, "/robot_a/transition", self._on_status, STREAM)
+        self.create_subscription(PlantState, "plant/state", self._on_state, STREAM)
+        self.create_subscription(TransitionStatus, "robot_a/transition", self._on_status, STREAM)
 
     def play(self, watch: Callable[[], None], timeout: float) -> None:
         """Play the whole scenario.

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+from lexstack_bringup.naming import Naming
 from lexstack_bringup.supervisor import Supervisor
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.scenario import ScenarioConfig
@@ -24,6 +26,7 @@ NODES = {
 }
 PLANNERS = {HTMPC: "lexstack_ros.planner.node"}  # in runs with sequences
 MODULES = {**PLANNERS, **NODES}
+PLAIN = Naming()
 _READY_TIMEOUT = 60.0  # s of wall time, on a slow machine
 
 
@@ -33,14 +36,35 @@ def nodes_of(scenario: ScenarioConfig) -> tuple[str, ...]:
     return (*NODES, *more, *PLANNERS) if scenario.plans else (*NODES, *more)
 
 
-def arguments_of(node: str, parameters: Mapping[str, str]) -> list[str]:
+def arguments_of(node: str, parameters: Mapping[str, str], naming: Naming = PLAIN) -> list[str]:
     """Return the command line of a node; ``parameters`` as YAML."""
-    given, names = dict(parameters), []
+    names = naming.rules
     if node != base_of(node):
-        names = ["-r", f"__node:={node}"]
-        given["number"] = node.removeprefix(f"{SOLVER}_")
+        names += ["-r", f"__node:={node}"]
+    given = numbered(node, parameters)
     pairs = [word for key, value in given.items() for word in ("-p", f"{key}:={value}")]
     return ["--ros-args", *names, *pairs]
+
+
+def numbered(node: str, parameters: Mapping[str, str]) -> dict[str, str]:
+    """Return the parameters of a node, with its number if it is one of several solvers."""
+    number = {"number": node.removeprefix(f"{SOLVER}_")} if node != base_of(node) else {}
+    return {**parameters, **number}
+
+
+def executable_of(node: str) -> tuple[str, str]:
+    """Return package and executable of a node, as ``ros2 run`` takes them."""
+    return MODULES[base_of(node)].partition(".")[0], base_of(node)
+
+
+def parameters_of(node: str, scenario: Path, bag: Path, nodes: Sequence[str]) -> dict[str, Any]:
+    """Return the parameters of a node that is started with ``nodes``, itself one of them."""
+    given = {"scenario": str(scenario)}
+    if node == RECORDER:
+        given["output"] = str(bag)
+    given["peers"] = ",".join(other for other in nodes if other != node)
+    found: dict[str, Any] = numbered(node, given)
+    return found | ({"number": int(found["number"])} if "number" in found else {})
 
 
 def bring_up(
@@ -52,6 +76,7 @@ def bring_up(
     nodes: Sequence[str] | None = None,
     timeout: float = _READY_TIMEOUT,
     recording: Mapping[str, str] | None = None,
+    naming: Naming = PLAIN,
 ) -> None:
     """Start nodes of a run and wait until each may be relied on.
 
@@ -63,6 +88,7 @@ def bring_up(
         nodes: those to start here, as ``nodes_of`` names them, others are left out; None: all.
         timeout: of wall time until all are connected with each other and with the peers [s].
         recording: more parameters of the recorder, as YAML.
+        naming: under which names they meet.
 
     Raises:
         ChildDiedError: one ended; NotReadyError: one was not ready in time.
@@ -75,5 +101,5 @@ def bring_up(
         if name == RECORDER:
             given |= {"output": str(bag), **(recording or {})}
         given["peers"] = ",".join([*(other for other in chosen if other != name), *peers])
-        supervisor.start(name, MODULES[base_of(name)], arguments_of(name, given))
+        supervisor.start(name, MODULES[base_of(name)], arguments_of(name, given, naming))
     supervisor.wait_printed(chosen, READY, timeout)

@@ -38,8 +38,8 @@ class SequenceClient:
         self._node = node
         self._scenario = scenario
         self._tasks = {name: tasks_of(entry) for name, entry in scenario.sequences.items()}
-        self._action = ActionClient(node, ExecuteSequence, "/htmpc/execute_sequence")
-        self._change = node.create_client(ChangeSequence, "/htmpc/change_sequence")
+        self._action = ActionClient(node, ExecuteSequence, "htmpc/execute_sequence")
+        self._change = node.create_client(ChangeSequence, "htmpc/change_sequence")
 
     @property
     def ready(self) -> bool:

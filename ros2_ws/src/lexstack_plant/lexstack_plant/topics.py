@@ -36,8 +36,8 @@ class PlantTopics:
         self._state = PlantState(robots=list(team.names), sender=sender_name(node))
         self._state.header.frame_id = WORLD
         self._clock = Clock()
-        self._state_out = node.create_publisher(PlantState, "/plant/state", STREAM)
-        self._clock_out = node.create_publisher(Clock, "/clock", STREAM)
+        self._state_out = node.create_publisher(PlantState, "plant/state", STREAM)
+        self._clock_out = node.create_publisher(Clock, "clock", STREAM)
         self._clock_every = max(1, round(rate / _CLOCK_RATE))
         self._tools_every = max(1, round(rate / _TOOLS_RATE))
         self._robots = [
@@ -85,7 +85,7 @@ def tie_frames(node: Node, names: Sequence[str]) -> Publisher | None:
         kind = importlib.import_module("tf2_msgs.msg").TFMessage
     except ImportError:
         return None
-    out = node.create_publisher(kind, "/tf_static", LATCHED)
+    out = node.create_publisher(kind, "tf_static", LATCHED)
     out.publish(kind(transforms=[tied(name) for name in names]))
     return out
 
@@ -115,12 +115,12 @@ class _RobotTopics:
         self._odometry = Odometry(child_frame_id=f"{name}/base")
         for message in (self._joints, self._pose, self._odometry):
             message.header.frame_id = WORLD
-        self._joints_out = node.create_publisher(JointState, f"/{name}/joint_states", STREAM)
-        self._pose_out = node.create_publisher(PoseStamped, f"/{name}/ee_pose", STREAM)
+        self._joints_out = node.create_publisher(JointState, f"{name}/joint_states", STREAM)
+        self._pose_out = node.create_publisher(PoseStamped, f"{name}/ee_pose", STREAM)
         self._odometry_out = (
-            node.create_publisher(Odometry, f"/{name}/odom", STREAM) if robot.has_base else None
+            node.create_publisher(Odometry, f"{name}/odom", STREAM) if robot.has_base else None
         )
-        self._description_out = node.create_publisher(String, f"/{name}/robot_description", LATCHED)
+        self._description_out = node.create_publisher(String, f"{name}/robot_description", LATCHED)
         self._description_out.publish(String(data=robot_urdf(robot)))
 
     def publish(self, stamp: float, q: Vector, v: Vector, effort: Vector) -> None:

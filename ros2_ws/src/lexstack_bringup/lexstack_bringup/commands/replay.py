@@ -94,6 +94,7 @@ def _publish(options: argparse.Namespace) -> int:
     container = Container(find_files(options.bag))
     if options.scenario is not None:
         return _write_scenario(container, options.scenario)
+    read_provenance(container)  # the container knows the run's namespace from here on
     run = read_run(options.bag, ProgressBar("reading"))
     live = "" if options.publish == _NOBODY else options.publish
     if live and live not in run.chi:
@@ -116,7 +117,8 @@ def _publish(options: argparse.Namespace) -> int:
         player.wait_connected()
         user = requests_of(run, Changes(), run.resolved) if live == "robot_a" else []
         expected = set(run.chi[live].tick.tolist()) if live else set()
-        messages = by_log_time(Container(container.files).messages(ProgressBar("playing")))
+        again = Container(container.files, container.namespace)
+        messages = by_log_time(again.messages(ProgressBar("playing")))
         if live and run.resolved.scenario.mode == "lockstep":
             messages = in_lockstep(messages, Decoder())
         played = player.play(messages, paced(options.rate), user, expected)

@@ -25,6 +25,7 @@ from lexstack_plant.tick_cycle import TickCycle
 from lexstack_plant.topics import PlantTopics
 from lexstack_ros.intake.drain import waiting
 from lexstack_ros.messages.conversions import check_robots, to_vector
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.diagnostics import Diagnostics, Health, first
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
@@ -64,7 +65,7 @@ class SimBridge(Node):
         self._rejection = ""  # the last one since the last report
         self._finished = False
         self._topics = PlantTopics(self, self._team, scenario.rate)
-        self._commands = self.create_subscription(Chi, _COMMAND, self._on_command, STREAM)
+        self._commands = self.create_subscription(Chi, relative(_COMMAND), self._on_command, STREAM)
         self.create_service(SetBool, "~/pause", self._on_pause)
         self.create_service(Trigger, "~/step", self._on_step)
         self.create_service(Trigger, "~/reset", self._on_reset)
@@ -183,8 +184,9 @@ class SimBridge(Node):
         status, counters = self._plant.status, dataclasses.asdict(self._plant.counters)
         rejection, self._rejection = self._rejection, ""
         waits = "" if status == Status.FOLLOWING else f"{status.name.lower()}: no command comes"
+        braking = status == Status.BRAKING
         return Health(
-            first(waits, rejection),
+            rejection if braking else first(waits, rejection),
             {
                 "tick": str(self._tick_cycle.state.tick),
                 "late ticks": str(self._pacer.late_ticks),
@@ -194,6 +196,7 @@ class SimBridge(Node):
                 "contact force [N]": f"{self._plant.contact_force:.1f}",
                 **{f"{name.replace('_', ' ')} ticks": str(n) for name, n in counters.items()},
             },
+            error=waits if braking else "",
         )
 
 

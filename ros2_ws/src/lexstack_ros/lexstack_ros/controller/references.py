@@ -26,6 +26,7 @@ from lexstack.types import RobotState, Vector
 from lexstack_interfaces.msg import References
 from lexstack_ros.controller.transition_parameters import LeadInParameter
 from lexstack_ros.messages.conversions import pose_message
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import LATCHED, LATEST
 from lexstack_ros.messages.references import references_message, to_setting
 
@@ -72,7 +73,7 @@ class HeardReferences:
         self._on_news = on_news
         self._newest = ""
         self._nothing = ReferenceTimeline(team.dt)
-        node.create_subscription(References, topic, self._hear, LATCHED)
+        node.create_subscription(References, relative(topic), self._hear, LATCHED)
 
     def _hear(self, message: References) -> None:
         """Take a decision; another sender begins anew."""
@@ -115,7 +116,7 @@ class Decisions:
         self._team = team
         self._sender = sender
         self._parameter = LeadInParameter(node, schedule.lead_in, self._lead_in)
-        self._out = node.create_publisher(References, DECISIONS, LATEST)
+        self._out = node.create_publisher(References, relative(DECISIONS), LATEST)
         self._goals = _Goals(node, team)
         self._kept = HeardReferences(node, team, KEPT)
         self._asked_since: float | None = None
@@ -166,8 +167,8 @@ class _Goals:
         self._ee: list[Publisher] = []
         self._base: list[Publisher] = []
         for name in team.names:
-            ee = node.create_publisher(PoseStamped, f"/{name}/ee_reference", LATEST)
-            base = node.create_publisher(PoseStamped, f"/{name}/base_reference", LATEST)
+            ee = node.create_publisher(PoseStamped, f"{name}/ee_reference", LATEST)
+            base = node.create_publisher(PoseStamped, f"{name}/base_reference", LATEST)
             self._ee.append(ee)
             self._base.append(base)
 

@@ -22,6 +22,7 @@ from lexstack_config.reference_topics import ReferenceTopicsConfig
 from lexstack_ros.intake.frames import Frames, listen
 from lexstack_ros.intake.transforms import EarlyError
 from lexstack_ros.messages.conversions import to_base_target, to_ee_target
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.messages.target_points import Reading
 from lexstack_ros.messages.targets import to_path, to_posture, to_twist, to_way
@@ -118,7 +119,7 @@ class TargetTopics:
         self._known.add(topic)
         kind, read = entry
         take = partial(self._take, read, robot, frame, topic)
-        self._node.create_subscription(kind, topic, take, STREAM)
+        self._node.create_subscription(kind, relative(topic), take, STREAM)
 
     def _take(self, read: Read, robot: int, frame: str, topic: str, message: Any) -> None:
         """Take one message; a stamp of the past means now."""

@@ -181,14 +181,17 @@ def transition_status(
 # ---- requests to a source
 
 
-def stack_request(announcement: Announcement, stamp: float, team: Team) -> StackRequest:
-    """Return an announcement as a message."""
+def stack_request(
+    announcement: Announcement, stamp: float, team: Team, text: str = ""
+) -> StackRequest:
+    """Return an announcement as a message; ``text``: the stack's, where a user sent it."""
     message = stamped(StackRequest(), stamp)
     message.id = announcement.id
     message.stack = announcement.stack
     message.start_tick = announcement.start_tick
     message.active = announcement.active
     message.robots = [team.names[robot] for robot in announcement.robots]
+    message.stack_yaml = text if announcement.active else ""
     return message
 
 

@@ -19,6 +19,7 @@ from lexstack_config.parts import build_team
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import Sequence, SequenceStatus
 from lexstack_ros.intake.plant_states import PlantStates
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.plans import (
     PLAN,
     joint_names,
@@ -60,19 +61,20 @@ class HtmpcNode(Node):
         self._later: list[Wish] = []
         self._meter = Meter()
         self._failures = 0
+        self._failed = 0  # of them those since the last report
         self._runners: dict[int, SequenceRunner] = {}
         self._reach = [Reach(robot, self._team.obstacles) for robot in self._team.robots]
         named = {entry.robot for entry in scenario.sequences.values()}
         for robot in sorted(map(self._team.index, named or scenario.robots)):
             self._runner(robot)
-        self._plan_out = self.create_publisher(JointTrajectory, PLAN, STREAM)
-        self._status_out = self.create_publisher(SequenceStatus, "/htmpc/status", STREAM)
-        self._sequence_out = self.create_publisher(Sequence, "/htmpc/sequence", LATCHED)
+        self._plan_out = self.create_publisher(JointTrajectory, relative(PLAN), STREAM)
+        self._status_out = self.create_publisher(SequenceStatus, "htmpc/status", STREAM)
+        self._sequence_out = self.create_publisher(Sequence, "htmpc/sequence", LATCHED)
         self._follow_client = FollowClient(self, self._team, self._resolved, self._on_answer)
         self._action = GoalServer(
             self,
             ExecuteSequence,
-            ACTION,
+            relative(ACTION),
             execute_callback=self._execute,
             goal_callback=self._on_request,
             handle_accepted_callback=self._on_goal,
@@ -209,6 +211,7 @@ class HtmpcNode(Node):
         job.tell(status)
         self._meter.add(progress.plan.solve_time)
         self._failures += not progress.plan.solved
+        self._failed += not progress.plan.solved
         if job.stage is Stage.RUNNING and (job.cancelled or progress.sequence.done):
             job.end("" if progress.sequence.done else "cancelled")
             job.stage = Stage.LEAVING
@@ -265,6 +268,7 @@ class HtmpcNode(Node):
     def _health(self) -> Health:
         """Return how the node is."""
         complaint, ages = self._states.report()
+        failed, self._failed = self._failed, 0
         return Health(
             first(complaint, f"{self._failures} solves failed" if self._failures else ""),
             {
@@ -275,6 +279,8 @@ class HtmpcNode(Node):
                 "skipped states": str(self._states.skipped),
                 "refused messages": str(self._states.refused),
             },
+            error=f"{failed} plans were not solved" if failed else "",
+            stale=self._states.delays.silent,
         )
 
 

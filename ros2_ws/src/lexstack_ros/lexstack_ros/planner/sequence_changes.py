@@ -14,6 +14,7 @@ from lexstack.mpc import Change
 from lexstack.options import shown
 from lexstack.robots import Team
 from lexstack_interfaces.srv import ChangeSequence
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.plans import to_task
 from lexstack_ros.messages.qos import STREAM
 
@@ -55,8 +56,8 @@ class SequenceChanges:
         self._node = node
         self._team = team
         self._apply = apply
-        node.create_service(ChangeSequence, _WHERE, self._on_change)
-        node.create_subscription(String, "/htmpc/release", self._on_release, STREAM)
+        node.create_service(ChangeSequence, relative(_WHERE), self._on_change)
+        node.create_subscription(String, "htmpc/release", self._on_release, STREAM)
 
     def _on_change(
         self, request: ChangeSequence.Request, response: ChangeSequence.Response

@@ -28,13 +28,13 @@ class Actions:
         self._team = team
         self._present = present
         self._targets = {
-            (name, kind): node.create_publisher(PoseStamped, f"/{name}/{kind}", STREAM)
+            (name, kind): node.create_publisher(PoseStamped, f"{name}/{kind}", STREAM)
             for name in team.names
             for kind in ("ee_target", "base_target")
         }
-        self._switch = node.create_client(SwitchStack, "/robot_a/switch_stack")
-        self._cancel = node.create_client(Trigger, "/robot_a/cancel_transition")
-        self._push = node.create_client(ApplyWrench, "/sim_bridge/apply_wrench")
+        self._switch = node.create_client(SwitchStack, "robot_a/switch_stack")
+        self._cancel = node.create_client(Trigger, "robot_a/cancel_transition")
+        self._push = node.create_client(ApplyWrench, "sim_bridge/apply_wrench")
 
     def carry_out(self, order: Order, answer: Future[str]) -> None:
         """Do what was asked; the answer comes now, or when the service has answered."""
@@ -68,7 +68,7 @@ class Actions:
 def _call(client: Any, request: Any, answer: Future[str], is_yes: Callable[[Any], bool]) -> None:
     """Call a service; its message becomes the answer, or the reason of a refusal."""
     if not client.service_is_ready():
-        raise ViewError(f"{client.srv_name} is not there")
+        raise ViewError(f"{client.service_name} is not there")
 
     def done(future: Any) -> None:
         said = future.result()

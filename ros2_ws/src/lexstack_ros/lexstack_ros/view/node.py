@@ -56,12 +56,12 @@ class ViewNode(Node):
         read = partial(read_order, robots=team.names, stacks=tuple(sorted(self._resolved.stacks)))
         self._server = ViewServer(live_page(self._resolved, team), self._hub, read)
         newest, many = _newest(1), _newest(most)
-        self.create_subscription(PlantState, "/plant/state", self._hear, newest, raw=True)
+        self.create_subscription(PlantState, "plant/state", self._hear, newest, raw=True)
         of_a, of_b = (partial(self._hear_chi, name) for name in (COMMANDER, SOURCE))
-        self.create_subscription(Chi, "/robot_a/chi", of_a, newest, raw=True)
-        self.create_subscription(Chi, "/robot_b/chi", of_b, newest, raw=True)
+        self.create_subscription(Chi, "robot_a/chi", of_a, newest, raw=True)
+        self.create_subscription(Chi, "robot_b/chi", of_b, newest, raw=True)
         self.create_subscription(
-            TransitionStatus, "/robot_a/transition", self._hear_status, many, raw=True
+            TransitionStatus, "robot_a/transition", self._hear_status, many, raw=True
         )
         self._actions = Actions(self, team, self._in_effect)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
