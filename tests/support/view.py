@@ -97,6 +97,19 @@ class LivePageUser:
             ".click()"
         )
 
+    def press_key(self, selector: str, key: str):
+        """Press a key on an element."""
+        self.browser.run(f"document.querySelector({selector!r}).focus()")
+        code = {"End": 35, "Home": 36}[key]
+        for kind in ("rawKeyDown", "keyUp"):
+            self.browser.call(
+                "Input.dispatchKeyEvent",
+                type=kind,
+                key=key,
+                code=key,
+                windowsVirtualKeyCode=code,
+            )
+
     def unfold(self, label: str):
         """Open a folder of the panel."""
         self.browser.run(f"{_LABELLED}({label!r}).click()")

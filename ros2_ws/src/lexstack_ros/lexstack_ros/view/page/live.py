@@ -8,25 +8,17 @@ from collections.abc import Callable, Collection
 from lexstack.robots import Team
 from lexstack.types import Vector
 from lexstack_ros.view.orders import Known, Order
+from lexstack_ros.view.page.base import Page
 from lexstack_ros.view.page.controls import Controls
-from lexstack_ros.view.page.plots import Plots
-from lexstack_ros.view.page.scene import Scene
-from lexstack_ros.view.page.server import PageServer
-from lexstack_ros.view.page.status import answer_line, status_table
+from lexstack_ros.view.page.status import answer_line
 from lexstack_ros.view.page.targets import Targets
 from lexstack_ros.view.picture import History, Picture
 
-_REDRAWN = 0.5  # s of wall time between two states of the plots
-_WIDTH = 310  # pixels, of the panel
 _RATE = 0.5  # s of wall time over which ticks are counted at least
 
 
-class LivePage:
-    """What browsers see, and where they ask.
-
-    Attributes:
-        url: where it is.
-    """
+class LivePage(Page):
+    """What browsers see, and where they ask."""
 
     def __init__(
         self, title: str, team: Team, home: Vector, known: Known, ask: Callable[[Order], None]
@@ -40,38 +32,22 @@ class LivePage:
             known: what orders may name.
             ask: takes every order, checked; called by viser's threads.
         """
-        self._server = server = PageServer(title)
-        self.url = server.url
-        server.gui.configure_theme(show_logo=False, show_share_button=False)
-        server.gui.main_panel.dock_right()
-        server.gui.main_panel.set_width(_WIDTH)
-        self._scene = Scene(server, team)
-        self._scene.look_at(home)
-        self._status = server.gui.add_html(answer_line("waiting for the run"), order=10)
-        self._answer = server.gui.add_html("", order=15)
-        self._controls = Controls(server, known, ask, self.refuse)
-        self._targets = Targets(server, team, known, ask, self.refuse)
+        super().__init__(title, team, home)
+        self._answer = self.server.gui.add_html("", order=15)
+        self._controls = Controls(self.server, known, ask, self.refuse)
+        self._targets = Targets(self.server, team, known, ask, self.refuse)
         self._add_target_options()
-        self._plots = Plots(server)
-        self._history, self._drawn = History(), 0.0
+        self._history = History()
         self._begun: tuple[int, float] | None = None  # tick and wall time from which rate counts
-
-    @property
-    def is_watched(self) -> bool:
-        """Whether anybody looks: otherwise nothing needs to be made."""
-        return bool(self._server.get_clients())
 
     def show(self, picture: Picture) -> None:
         """Show a picture to all who look."""
-        with self._server.atomic():
-            self._scene.show(picture)
+        with self.server.atomic():
+            self.draw(picture, self._rate(picture.tick))
             self._targets.show(picture.goals)
-            self._status.content = status_table(picture, self._rate(picture.tick))
         self._history.add(picture)
-        now = time.monotonic()
-        if now - self._drawn >= _REDRAWN:
-            self._drawn = now
-            self._plots.show(self._history.curves())
+        if self.plots_are_due():
+            self.plot(self._history.curves())
 
     def offer(self, services: Collection[str]) -> None:
         """Show the buttons of what the run serves."""
@@ -85,13 +61,9 @@ class LivePage:
         """Show why an order was not carried out."""
         self._answer.content = answer_line(reason, bad=True)
 
-    def close(self) -> None:
-        """Send the browsers away."""
-        self._server.close()
-
     def _add_target_options(self) -> None:
         """Add what can be chosen of the gizmos."""
-        gui = self._server.gui
+        gui = self.server.gui
         with gui.add_folder("Targets", order=25):
             shown = gui.add_checkbox("show", initial_value=True)
             streams = gui.add_checkbox(
