@@ -19,6 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 BASE_PYTHON = os.path.realpath(getattr(sys, "_base_executable", sys.executable))
 VERSION = "{}.{}".format(*sys.version_info)
 NOT_CURRENT = 3
+_TF2 = "share/tf2_msgs"  # which wheels lack
 
 
 class Setup:
@@ -95,10 +96,22 @@ class Setup:
                 for folder in ("build", "install"):
                     shutil.rmtree(workspace / folder, ignore_errors=True)
             self._workspace.clear()
-            colcon = (self._python, "-m", "colcon", "--log-base", ROOT / "build/log", "build")
+            native = self._ros.prefix is not None and (self._ros.prefix / _TF2).is_dir()
+            skip = ("--packages-skip", "tf2_msgs") if native else ()
+            colcon = (
+                self._python,
+                "-m",
+                "colcon",
+                "--log-base",
+                ROOT / "build/log",
+                "build",
+                *skip,
+            )
             cmake = ("-DBUILD_TESTING=OFF", f"-DPython3_EXECUTABLE={self._python}", "-Wno-dev")
             show = ("--event-handlers", "console_direct+")
-            steps.run(*colcon, "--symlink-install", *show, "--cmake-args", *cmake, cwd=workspace)
+            steps.run(
+                *colcon, *skip, "--symlink-install", *show, "--cmake-args", *cmake, cwd=workspace
+            )
             script = environment.shell_script(ROOT, self._ros, f"python{VERSION}")
             (self._venv / "environment.sh").write_text(script)
         self._workspace.write()

@@ -18,7 +18,7 @@ from lexstack_testing.played_run import apart, together
 from lexstack_testing.user import User
 from support.browser import Browser
 from support.hostile import shown
-from support.runs import chi_by_tick, short_scenario
+from support.runs import chi_by_tick, read, short_scenario
 from support.view import LivePageUser, watching
 
 pytestmark = pytest.mark.system
@@ -155,3 +155,32 @@ def test_it_ends_with_the_others(visitor):
     assert process.returncode == 0
     with pytest.raises(OSError, match="refused"):
         socket.create_connection(("127.0.0.1", urlsplit(visitor.url).port), timeout=5)
+
+
+def test_markers_and_frames_are_in_the_bag(visitor):
+    """The run has ended; rosbags opens what it recorded."""
+    heard = read(visitor.run.out / "bag", "/tf", "/tf_static", "/markers", "/plant/state")
+    (static,) = heard["/tf_static"]
+    tree = {t.child_frame_id: t.header.frame_id for t in static.transforms}
+    assert len(heard["/tf"]) > 20
+    moving = heard["/tf"][-1]
+    tree |= {t.child_frame_id: t.header.frame_id for t in moving.transforms}
+    for name in visitor.team.names:
+        assert tree[f"{name}/odom"] == "world"
+        for leaf in (f"{name}/base_link", f"{name}/tool"):
+            frame = leaf
+            while frame in tree:
+                frame = tree[frame]
+            assert frame == "world"
+    stamp = moving.transforms[0].header.stamp
+    states = {(s.header.stamp.sec, s.header.stamp.nanosec): s.q for s in heard["/plant/state"]}
+    q = states[stamp.sec, stamp.nanosec]
+    (x,) = [
+        t.transform.translation.x
+        for t in moving.transforms
+        if t.child_frame_id == "robot_b/base_x_link"
+    ]
+    assert x == q[visitor.team.q_slices[1]][0]
+    assert len(heard["/markers"]) > 5
+    kinds = {marker.ns for marker in heard["/markers"][-1].markers}
+    assert kinds >= {"spheres of robot_a", "tool references", "paths"}

@@ -17,6 +17,7 @@ from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from trajectory_msgs.msg import JointTrajectory
+from visualization_msgs.msg import MarkerArray
 
 from lexstack.errors import InputError
 from lexstack.references import References, measured
@@ -33,6 +34,7 @@ from lexstack_ros.node.readiness import READY
 from lexstack_ros.node.spin import LAST, run_node
 from lexstack_ros.view.actions import Actions
 from lexstack_ros.view.heard import COMMANDER, SOURCE, Heard, horizon_of, picture_of
+from lexstack_ros.view.markers import MARKERS, Markers
 from lexstack_ros.view.orders import Known, Order
 from lexstack_ros.view.page.live import LivePage
 
@@ -67,6 +69,8 @@ class ViewNode(Node):
         self._listen(TransitionStatus, TRANSITION, self._most)
         self._listen(JointTrajectory, PLAN, self._most)
         self._listen(SequenceStatus, PROGRESS, self._most)
+        self._markers = Markers(team)
+        self._markers_out = self.create_publisher(MarkerArray, MARKERS, _newest(1))
         self._actions = Actions(self, team, scenario, self._page.say, self._page.refuse)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_PERIOD, self._look, clock=wall)
@@ -97,13 +101,14 @@ class ViewNode(Node):
             self._page.offer(set(self._actions.offered()))
 
     def _look(self) -> None:
-        """Carry orders out, and show what is new, if somebody looks."""
+        """Carry orders out, and show what is new, if somebody looks, here or in RViz."""
         while True:
             try:
                 self._actions.carry_out(self._orders.get_nowait())
             except Empty:
                 break
-        if not self._page.is_watched or not self._bytes[PLANT_STATE]:
+        drawn = self._markers_out.get_subscription_count() > 0
+        if not (drawn or self._page.is_watched) or not self._bytes[PLANT_STATE]:
             return
         (state,) = self._last(PlantState, PLANT_STATE)
         chi = {
@@ -119,7 +124,10 @@ class ViewNode(Node):
             picture = picture_of(self._team, heard, *self._in_effect(now))
         except InputError:
             return  # of another team: its controller says so
-        self._page.show(picture)
+        if self._page.is_watched:
+            self._page.show(picture)
+        if drawn:
+            self._markers_out.publish(self._markers.message(picture))
 
     def _in_effect(self, now: float) -> tuple[References, References]:
         """Return the references in effect and their goals; first, where the robots start."""
