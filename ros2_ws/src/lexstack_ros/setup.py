@@ -13,7 +13,7 @@ setup(
     maintainer_email="lexstack@users.noreply.github.com",
     python_requires=">=3.11",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "view/assets/*"]},
+    package_data={PACKAGE: ["py.typed"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
@@ -24,6 +24,8 @@ setup(
         "lexstack-config",
         "lexstack-sim",
         "numpy>=2",
+        "viser>=1.1,<1.2",
+        "websockets>=13.1",
     ],
     entry_points={
         "console_scripts": [

@@ -12,7 +12,7 @@ from support.scenario import CONFIG
 
 SCENARIO = CONFIG / "scenarios" / "deliver-both.yaml"  # it needs every node
 
-SLOW = ("scipy.linalg", "scipy.optimize", "scipy.special", "glfw", "rosbags", "matplotlib")
+SLOW = ("viser", "scipy.linalg", "scipy.optimize", "scipy.special", "glfw", "rosbags", "matplotlib")
 NOT_TO_BE_LOADED = {
     **dict.fromkeys(MODULES, (*SLOW, "casadi")),
     "htmpc": (*SLOW, "lexstack_sim"),  # casadi generates its kinematics

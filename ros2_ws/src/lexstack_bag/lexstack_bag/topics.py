@@ -44,6 +44,13 @@ TARGETS = {
 }
 """Where users set references of each robot, below the robot's name."""
 
+ONLOOKERS = {
+    "/tf": "tf2_msgs/msg/TFMessage",
+    "/tf_static": "tf2_msgs/msg/TFMessage",
+    "/markers": "visualization_msgs/msg/MarkerArray",
+}
+"""What is sent for RViz and Foxglove alone; the last by the live page."""
+
 
 ROLES = {
     "robot_a": ("controller", ("chi", "references", "scenario", "stack_request", "transition")),

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Sequence
-
 import numpy as np
-from geometry_msgs.msg import PoseStamped, TransformStamped
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -17,6 +14,7 @@ from std_msgs.msg import String
 from lexstack.robots import RobotModel, Team, to_quaternion
 from lexstack.types import RobotState, Vector
 from lexstack_interfaces.msg import PlantState
+from lexstack_plant.frames import FrameTopics
 from lexstack_ros.messages.conversions import WORLD, to_array, to_time
 from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_ros.node.sole_sender import sender_name
@@ -44,7 +42,7 @@ class PlantTopics:
             (_RobotTopics(node, robot), at, part)
             for robot, at, part in zip(team.robots, team.q_slices, team.slices, strict=True)
         ]
-        self._frames = tie_frames(node, team.names)
+        self._frames = FrameTopics(node, team)
 
     def publish(
         self, state: RobotState, status: Status, late_ticks: int, missing: int, commander: str
@@ -72,30 +70,7 @@ class PlantTopics:
         if state.tick % self._tools_every == 0:
             for topics, at, part in self._robots:
                 topics.publish(state.stamp, state.q[at], state.v[part], effort[at])
-
-
-def tie_frames(node: Node, names: Sequence[str]) -> Publisher | None:
-    """Publish once, to /tf_static, that every robot's frame NAME/world is the frame world.
-
-    robot_state_publisher makes the rest from robot_description and joint_states, with the
-    frame_prefix ``NAME/``: its tree begins at NAME/world, REP-105. Only where tf2_msgs is
-    installed, as with a native ROS; the wheels have none, and then this returns None.
-    """
-    try:
-        kind = importlib.import_module("tf2_msgs.msg").TFMessage
-    except ImportError:
-        return None
-    out = node.create_publisher(kind, "tf_static", LATCHED)
-    out.publish(kind(transforms=[tied(name) for name in names]))
-    return out
-
-
-def tied(name: str) -> TransformStamped:
-    """Return the identity from ``world`` to a robot's root frame."""
-    result = TransformStamped(child_frame_id=f"{name}/world")
-    result.header.frame_id = WORLD
-    result.transform.rotation.w = 1.0
-    return result
+            self._frames.publish(state.stamp, state.q)
 
 
 class _RobotTopics:

@@ -126,8 +126,8 @@ def listen(node: Node, transforms: Transforms) -> None:
     except ImportError:
         return
     moving, static = (partial(_hear, transforms, static) for static in (False, True))
-    node.create_subscription(kind, "/tf", moving, TRANSFORMS)
-    node.create_subscription(kind, "/tf_static", static, STATIC_TRANSFORMS)
+    node.create_subscription(kind, "tf", moving, TRANSFORMS)
+    node.create_subscription(kind, "tf_static", static, STATIC_TRANSFORMS)
 
 
 def _hear(transforms: Transforms, static: bool, message: Any) -> None:

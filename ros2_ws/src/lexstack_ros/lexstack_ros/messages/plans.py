@@ -60,7 +60,7 @@ def plan_message(plan: Plan, names: list[str]) -> JointTrajectory:
 
 def to_plan(message: JointTrajectory, team: Team, rate: float) -> HeardPlan:
     """Return a plan for the controller, ``rate`` in ticks per second; raises InputError."""
-    robot = _robot_of(message.joint_names, team)
+    robot = robot_of(message.joint_names, team)
     if not 2 <= len(message.points) <= _MOST_POINTS:
         raise InputError(f"{PLAN}: points: expected 2 to {_MOST_POINTS}, got {len(message.points)}")
     n = len(message.joint_names)
@@ -79,7 +79,7 @@ def to_plan(message: JointTrajectory, team: Team, rate: float) -> HeardPlan:
     return HeardPlan(robot, round(tick), times, velocities)
 
 
-def _robot_of(names: Any, team: Team) -> int:
+def robot_of(names: Any, team: Team) -> int:
     """Return whose joints these are, all and in order; raises InputError."""
     for robot in range(len(team.robots)):
         if list(names) == joint_names(team, robot):
