@@ -1,0 +1,1 @@
+"""Robots as hardware has them, in MuJoCo: topics of controllers, and habits that simulators lack."""
