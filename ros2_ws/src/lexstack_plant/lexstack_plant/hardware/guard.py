@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from lexstack.robots import Team
@@ -33,20 +31,13 @@ class Guard:
             return f"{self._joint(i)} is at {q[i]:.4g}, beyond its limit with tolerance {limit:.4g}"
         return self._too_fast(v, self._safety.speed)
 
-    def lost(self, q: Vector, led: Vector, look: Vector) -> str:
-        """Return which joint does not go where it is led, or ''.
-
-        Args:
-            q: measured, shape (n,).
-            led: where the commands lead, shape (n,).
-            look: which joints are judged, shape (n,), boolean.
-        """
-        away = np.where(look, np.abs(led - q), 0.0)
-        if not (away > self._safety.following).any():
+    def lost(self, away: Vector) -> str:
+        """Return which joint does not go where it is led, by how far each is from it (n,), or ''."""
+        if not (np.abs(away) > self._safety.following).any():
             return ""
-        i = int(np.argmax(away))
+        i = int(np.argmax(np.abs(away)))
         return (
-            f"{self._joint(i)} does not follow: it is {away[i]:.3g} from where it is led "
+            f"{self._joint(i)} does not follow: it is {abs(away[i]):.3g} from where it is led "
             f"(tolerance {self._safety.following:g})"
         )
 
@@ -68,6 +59,3 @@ class Guard:
         """Return the name of a joint of chi."""
         return self._team.joint_names[i]
 
-
-Now = Callable[[], float]
-"""A monotonic clock [s]."""

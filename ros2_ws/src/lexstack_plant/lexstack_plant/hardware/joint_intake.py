@@ -103,8 +103,8 @@ class JointIntake:
         moved = np.where(known, q - self.q[places], 0.0)
         self._check(places, moved, elapsed)
         if v is None:
-            # A joint that is seen for the first time is taken to be at rest.
-            share = np.where(known, np.minimum(elapsed / (elapsed + _SMOOTHING), 1.0), 0.0)
+            # A joint that is seen for the first time, an infinite time after none, is at rest.
+            share = np.where(known, 1.0 / (1.0 + _SMOOTHING / elapsed), 0.0)
             v = self.v[places] + share * (moved / elapsed - self.v[places])
         self.q[places], self.v[places], self.times[places] = q, v, time
 

@@ -38,11 +38,16 @@ class ArmOutput:
         self.type = config.type
         ahead = config.ahead if config.type == "joint_trajectory" else 1
         self._spline = CommandSpline(limits, dt, ahead, hold)
+        self._dt = dt
 
     @property
-    def position(self) -> Vector:
-        """Where the arm is led, at the newest knot, shape (n,), rad and m."""
-        return self._spline.position
+    def led(self) -> Vector | None:
+        """Where the arm is led now, shape (n,), rad and m; None: it is led by velocities."""
+        return self._spline.led if self.type in ("joint_trajectory", "position") else None
+
+    def in_flight(self, chi: Vector) -> Vector:
+        """Return how far commands, with chi (n,) the last of them, will still move the arm, (n,)."""
+        return self._dt * chi if self.led is None else self._spline.in_flight
 
     def begin(self, q: Vector, v: Vector) -> None:
         """Begin at a measured state, shape (n,) each."""

@@ -21,6 +21,7 @@ from lexstack_plant.hardware.robot import HardwareRobot
 from lexstack_sim.impedance import per_joint
 
 _ACCEPTED = 1e-3  # relative, by which a command may exceed a limit: that of the solver's tolerance
+_FORGETS = 1.0  # s, in which the difference between commanded and measured velocities is forgotten
 _STILL = 0.02  # rad/s and m/s: slower joints are taken to be at rest when they are taken over
 
 Send = Callable[[str, RobotCommand], None]
@@ -54,6 +55,8 @@ class HardwareMemory:
     change: Vector  # of the command at the last tick
     q: Vector
     v: Vector
+    in_flight: Vector  # how far commands on their way will move the robots
+    slip: Vector  # what the commands lead farther than the measured velocities, of late
     tick: int = 0
     silence: int = 0
     status: PlantStatus = PlantStatus.FOLLOWING
@@ -117,12 +120,9 @@ class HardwarePlant:
             team.limits, self.period, watchdog, distance, lambda chi: self._brake(chi, self._m.change)
         )
         self._send, self._clock = send, clock
-        # A platform is led by velocities alone: where they lead is where it should be.
-        self._arms = np.concatenate(
-            [np.arange(model.n) >= model.arm.start for model in team.robots]
-        )
+        self._arms = np.concatenate([np.arange(model.n) >= model.arm.start for model in team.robots])
         nothing = np.zeros(team.n)
-        self._m = HardwareMemory(*(nothing.copy() for _ in range(5)))
+        self._m = HardwareMemory(*(nothing.copy() for _ in range(7)))
 
     # ---- the protocol of a plant
 
@@ -137,12 +137,17 @@ class HardwarePlant:
         return self.phase is Phase.DISABLED
 
     def state(self) -> RobotState:
-        """Return the state of this tick, as it was measured when the tick began."""
+        """Return the state of this tick.
+
+        Its q is where the robots will be when the next command begins to act: as measured when the
+        tick began, and moved on by the commands that are on their way. So the controllers see robots
+        without delay, and keep position limits at any delay of the outputs.
+        """
         m = self._m
         return RobotState(
             m.tick,
             m.tick * self.period,
-            _frozen(m.q),
+            _frozen(m.q + m.in_flight),
             _frozen(m.v),
             _frozen(m.q_star),
             _frozen(m.command),
@@ -153,7 +158,7 @@ class HardwarePlant:
         m = self._m
         self._measure(self._clock())
         if self.resting:
-            m.q_star[:], m.command[:], m.change[:] = m.q, 0.0, 0.0
+            m.q_star[:], m.command[:], m.change[:], m.in_flight[:] = m.q, 0.0, 0.0, 0.0
         return self.state()
 
     def step(self, chi: Vector | None, due: float | None = None) -> RobotState:
@@ -173,6 +178,7 @@ class HardwarePlant:
         m.change[:] = m.command - before
         self._catch_up(before, due)
         m.q_star += self.period * m.command
+        m.slip += self.period * (before - m.v) - self.period / _FORGETS * m.slip
         for model, part, robot in self._parts():
             robot.push(m.command[part])
             # While states are stale, the platform is where the commands led it.
@@ -273,10 +279,12 @@ class HardwarePlant:
         # A user's own controller may move the robot: ours begins with its velocity. What a robot
         # at rest measures as velocity is noise.
         m.command[:] = np.where(np.abs(m.v) > _STILL, np.clip(m.v, -limit, limit), 0.0)
-        m.q_star[:], m.change[:] = m.q, 0.0
+        m.q_star[:], m.change[:], m.slip[:] = m.q, 0.0, 0.0
         m.tick, m.silence, m.status, m.due = 0, 0, PlantStatus.FOLLOWING, now
         for _, part, robot in self._parts():
             robot.begin(m.q[part], m.command[part])
+            m.in_flight[part] = robot.in_flight(m.command[part])
+        m.q_star += m.in_flight
         self.phase, self.reason = Phase.ENABLED, ""
 
     def _accept(self, chi: Vector | None) -> None:
@@ -327,6 +335,13 @@ class HardwarePlant:
             known = np.isfinite(q)
             m.q[part] = np.where(known, q, m.q[part])
             m.v[part] = np.where(known, v, 0.0)
+            if self.phase is Phase.DISABLED:
+                continue
+            m.in_flight[part] = robot.in_flight(m.command[part])
+            if not self._old(robot, now):
+                # Wheels slip: where a platform was led is where it is.
+                base = robot.platform
+                m.q_star[part][base] = m.q[part][base] + m.in_flight[part][base]
 
     def _old(self, robot: HardwareRobot, now: float) -> bool:
         """Return whether a robot's state cannot be relied on."""
@@ -334,7 +349,8 @@ class HardwarePlant:
 
     def _known(self) -> Vector:
         """Return the measured q, or q* while the robots are braked: states may be wrong then."""
-        return self._m.q if self.phase is Phase.ENABLED else self._m.q_star
+        m = self._m
+        return m.q + m.in_flight if self.phase is Phase.ENABLED else m.q_star
 
     def _fault(self, now: float) -> str:
         """Return why the robots must be stopped, or ''."""
@@ -342,13 +358,22 @@ class HardwarePlant:
         alone = next((wrong for r in self.robots.values() if (wrong := r.wrong(now))), "")
         if alone:
             return alone
-        led = m.q.copy()
+        return self._guard.beyond(m.q, m.v) or self._guard.lost(self._away())
+
+    def _away(self) -> Vector:
+        """Return how far each joint is from where it is led, shape (n,).
+
+        An arm may be led to positions. A platform is led by velocities, and its pose may be
+        corrected by whoever measures it: there the way that it did not make lately counts.
+        """
+        away = self._m.slip.copy()
         for model, part, robot in zip(
             self.team.robots, self.team.slices, self.robots.values(), strict=True
         ):
-            led[part][model.arm] = robot.output.position
-        judged = self._arms
-        return self._guard.beyond(m.q, m.v) or self._guard.lost(m.q, led, judged)
+            led = robot.output.led
+            if led is not None:
+                away[part][model.arm] = led - self._m.q[part][model.arm]
+        return away
 
 
 def _frozen(values: Vector) -> Vector:

@@ -24,6 +24,7 @@ class HardwareRobot:
         output: what its arm is sent.
         names: of the arm's joints in messages, in the order of chi.
         listens: whether somebody hears its commands; set by whoever sends them.
+        platform: the platform's joints in the robot's part of chi.
         pressed: whether its emergency stop is pressed.
     """
 
@@ -39,6 +40,7 @@ class HardwareRobot:
         self.name = robot.name
         self.config = config
         self._model = robot
+        self.platform = robot.base
         self._dt = dt
         self._safety = safety
         names = config.joint_states.names
@@ -103,6 +105,17 @@ class HardwareRobot:
         faults = [self.joints.fault, self.base.fault if self.base is not None else ""]
         fault = next((each for each in faults if each), "")
         return f"{self.name}: {fault}" if fault else self.stale(now)
+
+    def in_flight(self, chi: Vector) -> Vector:
+        """Return how far commands that were sent will still move the robot, shape (n,).
+
+        Args:
+            chi: in force, shape (n,): a platform, and an arm that is led by velocities, has it
+                before it for one period.
+        """
+        result = self._dt * chi
+        result[self._model.arm] = self.output.in_flight(chi[self._model.arm])
+        return result
 
     def forget(self) -> None:
         """Take what is measured next as the truth, whatever was before."""

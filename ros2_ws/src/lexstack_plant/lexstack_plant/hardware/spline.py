@@ -47,11 +47,7 @@ class Point:
 
 
 class CommandSpline:
-    """The B-spline through the commands of one arm, one segment per tick.
-
-    Attributes:
-        position: at the newest knot, shape (n,).
-    """
+    """The B-spline through the commands of one arm, one segment per tick."""
 
     def __init__(self, limits: JointLimits, dt: float, ahead: int, hold: int) -> None:
         """Make the spline of an arm.
@@ -68,25 +64,48 @@ class CommandSpline:
         self._knots: deque[Point] = deque(maxlen=ahead)
         self._before: Vector = np.zeros(limits.n)
         self._last: Vector = np.zeros(limits.n)
-        self.position: Vector = np.zeros(limits.n)
+        # Positions at the knots, from the one of now to the newest one.
+        self._path: deque[Vector] = deque([np.zeros(limits.n)], maxlen=ahead + 1)
 
     def begin(self, position: Vector, velocity: Vector) -> None:
         """Begin at a measured state, shape (n,) each, that moves on at its velocity."""
         ahead, still = self._knots.maxlen or 1, np.zeros_like(velocity)
         self._before, self._last = velocity.copy(), velocity.copy()
         self._knots.clear()
+        self._path.clear()
+        self._path.append(position.copy())
         # The next commands are not known; meanwhile the joints move on as they do.
         for k in range(ahead):
-            self.position = position + (k + 1) * self._dt * velocity
-            self._knots.append(Point(0.0, self.position, velocity.copy(), still))
+            self._path.append(position + (k + 1) * self._dt * velocity)
+            self._knots.append(Point(0.0, self._path[-1], velocity.copy(), still))
 
     def push(self, chi: Vector) -> None:
         """Add the segment of a command, shape (n,)."""
         dt, before, last = self._dt, self._before, self._last
-        self.position = self.position + dt / 6.0 * (before + 4.0 * last + chi)
+        self._path.append(self._path[-1] + dt / 6.0 * (before + 4.0 * last + chi))
         velocity, acceleration = 0.5 * (last + chi), (chi - last) / dt
-        self._knots.append(Point(0.0, self.position, velocity, acceleration))
+        self._knots.append(Point(0.0, self._path[-1], velocity, acceleration))
         self._before, self._last = last, chi.copy()
+
+    @property
+    def led(self) -> Vector:
+        """Where the arm is led now, shape (n,)."""
+        return self._path[0]
+
+    @property
+    def position(self) -> Vector:
+        """Where the arm is led at the newest knot, shape (n,)."""
+        return self._path[-1]
+
+    @property
+    def in_flight(self) -> Vector:
+        """How far the commands so far will still move the arm, shape (n,).
+
+        Every command moves it by dt c in all, of which the last two have some left after the newest
+        knot: dt (c_{k-1} + 5 c_k) / 6.
+        """
+        left = self._dt / 6.0 * (self._before + 5.0 * self._last)
+        return self._path[-1] + left - self._path[0]
 
     def points(self) -> list[Point]:
         """Return the trajectory from now on: its knots, and how it ends if nothing more comes.

@@ -103,17 +103,18 @@ class StandIn:
         }
         self._random = np.random.default_rng(seed)
         self._count = itertools.count()
-        self._coming: list[tuple[float, int, str, str, Any]] = []  # commands on their way
-        self._going: list[tuple[float, int, Sent]] = []  # states on their way
+        self._coming: list[tuple[float, int, tuple[str, str], Any]] = []  # commands on their way
+        self._going: list[tuple[float, int, tuple[str, str], Any]] = []  # states on their way
+        self._arrival: dict[tuple[str, str], float] = {}  # of the last message of each line
         self._next = now
 
     def command_arm(self, robot: str, command: Sequence[Point] | Vector, now: float) -> None:
         """Send an arm a trajectory with absolute times, or an array, at ``now`` [s]."""
-        self._send(self._coming, now, robot, "arm", command)
+        self._send(self._coming, now, (robot, "arm"), command)
 
     def command_base(self, robot: str, twist: Vector, now: float) -> None:
         """Send a platform a twist along its own axes, shape (3,), at ``now`` [s]."""
-        self._send(self._coming, now, robot, "base", twist)
+        self._send(self._coming, now, (robot, "base"), twist)
 
     def press(self, robot: str) -> None:
         """Press a robot's emergency stop: its drives stop and refuse everything."""
@@ -140,13 +141,13 @@ class StandIn:
             self._step()
         arrived = []
         while self._going and self._going[0][0] <= now:
-            arrived.append(heapq.heappop(self._going)[2])
+            arrived.append(heapq.heappop(self._going)[3])
         return arrived
 
     def _step(self) -> None:
         """Move the robots by one millisecond."""
         while self._coming and self._coming[0][0] <= self.time:
-            at, _, name, what, command = heapq.heappop(self._coming)
+            at, _, (name, what), command = heapq.heappop(self._coming)
             robot = self.robots[name]
             if what == "arm":
                 robot.arm.take(command, max(at, self.time))
@@ -208,12 +209,16 @@ class StandIn:
 
     def _report(self, name: str, sample: JointSample | BaseSample) -> None:
         """Send a message, perhaps twice."""
-        self._send(self._going, self.time, Sent(name, sample))
+        line = (name, type(sample).__name__)
+        self._send(self._going, self.time, line, Sent(name, sample))
         if self._random.random() < self.habits.repeat:
-            self._send(self._going, self.time, Sent(name, sample))
+            self._send(self._going, self.time, line, Sent(name, sample))
 
-    def _send(self, queue: list[Any], now: float, *message: Any) -> None:
-        """Put a message on its way, late by jitter or more, or lose it."""
+    def _send(self, queue: list[Any], now: float, line: tuple[str, str], message: Any) -> None:
+        """Put a message on its way, late by jitter or more, or lose it.
+
+        None overtakes another one on its line: one that is late holds up those behind it.
+        """
         habits = self.habits
         chance, lateness = self._random.random(2)
         if chance < habits.drop:
@@ -221,4 +226,6 @@ class StandIn:
         delay = habits.jitter * lateness
         if chance < habits.drop + habits.late:
             delay += habits.late_by
-        heapq.heappush(queue, (now + delay, next(self._count), *message))
+        arrives = max(now + delay, self._arrival.get(line, -np.inf))
+        self._arrival[line] = arrives
+        heapq.heappush(queue, (arrives, next(self._count), line, message))
