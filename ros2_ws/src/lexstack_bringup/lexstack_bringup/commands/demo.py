@@ -8,7 +8,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -27,6 +27,7 @@ from lexstack_bringup.domain import own_domain
 from lexstack_bringup.live_page import start_page
 from lexstack_bringup.player import PLAYER, Player
 from lexstack_bringup.processes import bring_up
+from lexstack_bringup.real_plant import RealPlant, real_plant, robots_domain
 from lexstack_bringup.supervisor import Supervisor
 from lexstack_config.available import FOR_OTHERS
 from lexstack_config.checked import checked
@@ -52,13 +53,16 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         options = _parser(root).parse_args(arguments)
         resolved = resolve_scenario(root, options)
+        options.real = real_plant(root, options, resolved)
+        if options.real is not None:
+            resolved = options.real.applied(resolved)
         recording = recorder_parameters(options)
         out = run_folder(root, options.out, resolved.scenario.name)
     except ConfigurationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     try:
-        return _run(resolved, out, recording, view=options.view)
+        return _run(resolved, out, recording, view=options.view, real=options.real)
     except LexstackError as error:
         print(f"\nerror: {error}\nlogs: {out / 'logs'}", file=sys.stderr)
         return 1
@@ -77,6 +81,15 @@ def _parser(root: Path) -> argparse.ArgumentParser:
     add_run_arguments(parser, root)
     parser.add_argument(
         "--view", action="store_true", help="serve a page that shows the run, with buttons"
+    )
+    parser.add_argument(
+        "--plant",
+        metavar="FILE",
+        help="robots of your own in place of the simulation: a plant file, or a name in "
+        "config/plants",
+    )
+    parser.add_argument(
+        "--enable", action="store_true", help="with --plant: enable the robots at once; they move"
     )
     add_recording_arguments(parser)
     return parser
@@ -169,11 +182,18 @@ def run_folder(root: Path, out: Path | None, scenario: str) -> Path:
     return empty_folder(out)
 
 
-def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *, view: bool) -> int:
+def _run(
+    resolved: ResolvedScenario,
+    out: Path,
+    recording: Mapping[str, str],
+    *,
+    view: bool,
+    real: RealPlant | None = None,
+) -> int:
     """Bring up, play, end, analyse; returns the exit code."""
     scenario = resolved.scenario
     (out / "scenario.yaml").write_text(resolved.to_yaml(), encoding="utf-8")
-    with own_domain() as domain:
+    with own_domain() if real is None else nullcontext(robots_domain()) as domain:
         print(
             f"scenario {scenario.name}: {scenario.duration:g} s, {scenario.mode}, "
             f"{scenario.rate:g} Hz, seed {scenario.seed}\n"
@@ -184,7 +204,7 @@ def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *,
         os.environ.update(environment)
         supervisor = Supervisor(out / "logs", environment)
         try:
-            _play(resolved, supervisor, out, recording, view=view)
+            _play(resolved, supervisor, out, recording, view=view, real=real)
         finally:
             # From here on a second Ctrl-C changes nothing: all ends in order.
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -206,22 +226,25 @@ def _play(
     recording: Mapping[str, str],
     *,
     view: bool,
+    real: RealPlant | None = None,
 ) -> None:
     """Bring up the processes and play the scenario, with a line of progress."""
-    with player_of(resolved) as player:
+    with player_of(resolved, real) as player:
         path, bag = out / "scenario.yaml", out / "bag"
         if view:
             print(f"watch it at {start_page(supervisor, path)}", flush=True)
-        bring_up(supervisor, path, bag, peers=[PLAYER], recording=recording)
+        plant = None if real is None else real.path
+        bring_up(supervisor, path, bag, peers=[PLAYER], recording=recording, plant=plant)
         play_shown(resolved, player, supervisor)
 
 
 @contextmanager
-def player_of(resolved: ResolvedScenario) -> Iterator[Player]:
+def player_of(resolved: ResolvedScenario, real: RealPlant | None = None) -> Iterator[Player]:
     """Yield the player of a scenario, a node of this process."""
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     executor = EventsExecutor()
-    player = Player(resolved, executor)
+    enable = real is None or real.enable
+    player = Player(resolved, executor, simulated=real is None, enable=enable)
     try:
         yield player
     finally:

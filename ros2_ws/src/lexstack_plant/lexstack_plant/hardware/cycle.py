@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import override
-
 from lexstack.errors import InputError
 from lexstack.types import Vector
 from lexstack_plant.hardware.plant import HardwarePlant, Phase
@@ -54,14 +52,14 @@ class HardwareCycle(TickCycle):
         """Raise InputError: real robots do not jump back."""
         raise InputError("real robots cannot be reset; disable and enable them")
 
-    @override
     def _begin(self) -> None:
+        """Publish the state, measured now while nothing is sent."""
         if self.paused:
             self.state = self.plant.look()
         super()._begin()
 
-    @override
     def _end(self) -> None:
+        """Send the command, and begin the next tick, or rest."""
         if self.ended:
             self.plant.stop("the scenario has ended")
         self.state = self.plant.step(self._command, self.pacer.due)

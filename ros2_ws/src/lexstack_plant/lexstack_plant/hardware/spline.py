@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lexstack.limits import JointLimits
-from lexstack.types import Vector
+from lexstack.types import Matrix, Vector
 
 _REST = 1.5  # T a / v of the stop v (1 - 3 s^2 + 2 s^3), whose largest acceleration is 1.5 v / T
 _REST_JERK = 6.0  # T^2 j / v of it
@@ -141,18 +141,32 @@ class CommandSpline:
         return points
 
 
-def interpolated(start: Point, end: Point, time: float) -> Point:
-    """Return the point at ``time`` [s] on the quintic between two points, as consumers make it."""
-    span = end.time - start.time
-    s = (time - start.time) / span
-    p0, v0, a0 = start.position, start.velocity * span, start.acceleration * span * span
-    p1, v1, a1 = end.position, end.velocity * span, end.acceleration * span * span
-    c3 = 10.0 * (p1 - p0) - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1
-    c4 = -15.0 * (p1 - p0) + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1
-    c5 = 6.0 * (p1 - p0) - 3.0 * v0 - 3.0 * v1 - 0.5 * a0 + 0.5 * a1
-    return Point(
-        time,
-        p0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5)))),
-        (v0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / span,
-        (a0 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (span * span),
-    )
+class Quintic:
+    """The motion between two points as consumers make it, of degree 5 in time."""
+
+    def __init__(self, start: Point, end: Point) -> None:
+        """Take two points, the second one later than the first."""
+        self._start, self._span = start.time, end.time - start.time
+        span = self._span
+        p0, v0, a0 = start.position, start.velocity * span, start.acceleration * span * span
+        p1, v1, a1 = end.position, end.velocity * span, end.acceleration * span * span
+        c3 = 10.0 * (p1 - p0) - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1
+        c4 = -15.0 * (p1 - p0) + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1
+        c5 = 6.0 * (p1 - p0) - 3.0 * v0 - 3.0 * v1 - 0.5 * a0 + 0.5 * a1
+        self._c: Matrix = np.array([p0, v0, 0.5 * a0, c3, c4, c5])
+
+    def position(self, time: float) -> Vector:
+        """Return the position at ``time`` [s], shape (n,)."""
+        s = (time - self._start) / self._span
+        powers = np.array([1.0, s, s * s, s**3, s**4, s**5])
+        position: Vector = powers @ self._c
+        return position
+
+    def point(self, time: float) -> Point:
+        """Return the point at ``time`` [s]."""
+        s, span = (time - self._start) / self._span, self._span
+        slope = np.array([0.0, 1.0, 2.0 * s, 3.0 * s * s, 4.0 * s**3, 5.0 * s**4])
+        bend = np.array([0.0, 0.0, 2.0, 6.0 * s, 12.0 * s * s, 20.0 * s**3])
+        return Point(
+            time, self.position(time), slope @ self._c / span, bend @ self._c / (span * span)
+        )

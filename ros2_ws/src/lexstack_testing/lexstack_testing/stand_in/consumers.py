@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from lexstack.types import Vector
-from lexstack_plant.hardware.spline import Point, interpolated
+from lexstack_plant.hardware.spline import Point, Quintic
 
 _TIMEOUT = 0.25  # s after which a platform without commands stops
 
@@ -33,26 +32,37 @@ class TrajectoryConsumer(ArmConsumer):
         """Hold a position, shape (n,)."""
         still = np.zeros_like(q)
         self._path: list[Point] = [Point(-np.inf, q.copy(), still, still)]
+        self._segment: Quintic | None = None  # from the first point of the path to the second
 
     def take(self, command: Sequence[Point] | Vector, now: float) -> None:
         """Replace what is left of the trajectory by another one; points of the past are left out."""
         coming = [point for point in command if isinstance(point, Point) and point.time > now]
         if coming:
             self._path = [self._sample(now), *coming]
+            self._segment = None
 
     def at(self, now: float) -> Vector:
         """Return the position at ``now`` [s], shape (n,)."""
-        return self._sample(now).position
+        segment = self._find(now)
+        return self._path[0].position if segment is None else segment.position(now)
 
     def _sample(self, now: float) -> Point:
         """Return the point at ``now`` [s]; after the end the last one, at rest."""
+        segment = self._find(now)
+        if segment is not None:
+            return segment.point(now)
+        still = np.zeros_like(self._path[0].position)
+        return Point(now, self._path[0].position, still, still)
+
+    def _find(self, now: float) -> Quintic | None:
+        """Return the segment of a time; None: it is after the end."""
         path = self._path
         while len(path) > 1 and path[1].time <= now:
             del path[0]
-        if len(path) > 1:
-            return interpolated(path[0], path[1], now)
-        still = np.zeros_like(path[0].position)
-        return replace(path[0], time=now, velocity=still, acceleration=still)
+            self._segment = None
+        if self._segment is None and len(path) > 1:
+            self._segment = Quintic(path[0], path[1])
+        return self._segment
 
 
 class PositionConsumer(ArmConsumer):
@@ -117,5 +127,5 @@ class BaseConsumer:
         """Return the twist of the next ``period`` [s], shape (3,)."""
         wanted = self._wanted if now - self._heard < _TIMEOUT else np.zeros(3)
         most = self._acceleration * period
-        self._twist = self._twist + np.clip(wanted - self._twist, -most, most)
+        self._twist = self._twist + np.minimum(np.maximum(wanted - self._twist, -most), most)
         return self._twist

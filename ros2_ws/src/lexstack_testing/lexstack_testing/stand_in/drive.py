@@ -24,6 +24,9 @@ class Drive:
         """Stand at a position, shape (n,); ``period`` [s] is that of ``follow``."""
         self.stopped = ""
         self._limits = limits
+        self._most = (1.0 + _TOLERANCE) * np.array(
+            [limits.velocity, limits.acceleration, limits.jerk]
+        )
         self._period = period
         self._reflex = reflex
         self.release(q)
@@ -54,14 +57,10 @@ class Drive:
 
     def _excess(self, v: Vector, a: Vector) -> str:
         """Return which limit a step of the positions is beyond, or ''."""
-        limits, jerk = self._limits, (a - self._a) / self._period
-        for what, values, most in (
-            ("velocity", v, limits.velocity),
-            ("acceleration", a, limits.acceleration),
-            ("jerk", jerk, limits.jerk),
-        ):
-            ratio = np.abs(values) / most
-            if (ratio > 1.0 + _TOLERANCE).any():
-                joint = int(np.argmax(ratio))
-                return f"reflex: {what} of joint {joint + 1} is {ratio[joint]:.3g} times its limit"
-        return ""
+        found = np.array([v, a, (a - self._a) / self._period])
+        ratio = np.abs(found) / self._most
+        if ratio.max() <= 1.0:
+            return ""
+        what, joint = np.argwhere(ratio > 1.0)[0]
+        name = ("velocity", "acceleration", "jerk")[what]
+        return f"reflex: {name} of joint {joint + 1} is {ratio[what, joint]:.3g} times its limit"

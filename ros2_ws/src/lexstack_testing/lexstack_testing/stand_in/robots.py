@@ -55,6 +55,7 @@ class _Robot:
         self.model, self.part = model, part
         arm = home[model.arm]
         limits = model.limits
+        self.most = _FASTEST * limits.velocity[model.arm]
         mine = JointLimits(**{name: getattr(limits, name)[model.arm] for name in LIMITS})
         self.drive = Drive(mine, arm, PERIOD, reflex=habits.reflex)
         kinds: dict[str, ArmConsumer] = {
@@ -94,7 +95,8 @@ class StandIn:
         self.plant = Plant(fast, self.team, seed)
         self.time = now
         self.habits = habits
-        home = self.plant.state().q
+        self._state = self.plant.state()
+        home = self._state.q
         self.robots = {
             model.name: _Robot(
                 model, part, plant.robots[model.name].arm.type, 1.0 / plant.rate, home[part], habits
@@ -123,7 +125,7 @@ class StandIn:
     def release(self, robot: str) -> None:
         """Let a robot's drives follow again, from where they are; commands of before are gone."""
         mine = self.robots[robot]
-        q = self.plant.state().q_star[mine.part][mine.model.arm].copy()
+        q = self._state.q_star[mine.part][mine.model.arm].copy()
         mine.drive.release(q)
         period = getattr(mine.arm, "_period", 0.01)
         kind = type(mine.arm)
@@ -153,26 +155,25 @@ class StandIn:
                 robot.arm.take(command, max(at, self.time))
             elif robot.base is not None:
                 robot.base.take(command, self.time)
-        state = self.plant.state()
+        state = self._state
         self.time += PERIOD
         chi = np.zeros(self.team.n)
         for robot in self.robots.values():
             mine = chi[robot.part]
             model, q_star = robot.model, state.q_star[robot.part]
             asked = robot.drive.follow(robot.arm.at(self.time))
-            most = _FASTEST * model.limits.velocity[model.arm]
-            mine[model.arm] = np.clip((asked - q_star[model.arm]) / PERIOD, -most, most)
+            lead = (asked - q_star[model.arm]) / PERIOD
+            mine[model.arm] = np.minimum(np.maximum(lead, -robot.most), robot.most)
             if robot.base is not None:
                 twist = robot.base.step(self.time, PERIOD)
                 if robot.drive.stopped:
                     twist = np.zeros(3)
                 mine[model.base] = turned(twist, float(state.q[robot.part][2]))
-        after = self.plant.step(chi)
-        for robot in self.robots.values():
-            self._drift(robot, after.q[robot.part])
+        after = self._state = self.plant.step(chi)
         if self.time >= self._next - 1e-9:
             self._next += 1.0 / self.habits.rate
             for name, robot in self.robots.items():
+                self._drift(robot, after.q[robot.part])
                 self._tell(name, robot, after.q[robot.part], after.v[robot.part])
 
     def _drift(self, robot: _Robot, q: Vector) -> None:
