@@ -105,6 +105,8 @@ class PlantFile:
     # Hz, ticks per second, in place of the scenario's
     rate: Annotated[Positive, Range(most=1000.0)] = 100.0
     safety: SafetyConfig = field(default_factory=SafetyConfig)  # when robots are braked
+    # whether time is that of /clock, as in Gazebo; else the wall's
+    use_sim_time: bool = False
 
 
 def load_plant(path: Path) -> PlantFile:

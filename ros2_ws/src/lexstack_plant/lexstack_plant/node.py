@@ -49,11 +49,24 @@ class PlantNode(Node):
         self._commander = SoleSender(_COMMAND)
         self._refused = 0
         self._rejection = ""  # the last one since the last report
+        self._began = False
 
     def begin(
-        self, team: Team, pacer: Pacer, tick_cycle: TickCycle, topics: PlantTopics, *, run: bool
+        self,
+        team: Team,
+        pacer: Pacer,
+        tick_cycle: TickCycle,
+        topics: PlantTopics,
+        *,
+        run: bool,
+        now: Callable[[], float] = monotonic,
     ) -> None:
-        """Create topics and services, and start the cycle: running, or paused."""
+        """Create topics and services, and start the cycle: running, or paused.
+
+        ``now`` [s] is the clock of the cycle; who gives another than the monotonic one calls
+        ``look_at_clock`` whenever it has changed.
+        """
+        self._now = now
         self._team, self._pacer, self._tick_cycle, self._topics = team, pacer, tick_cycle, topics
         self._commands = self.create_subscription(Chi, _COMMAND, self._on_command, STREAM)
         self.create_service(SetBool, "~/pause", self._on_pause)
@@ -67,6 +80,7 @@ class PlantNode(Node):
             tick_cycle.resume()
         else:
             tick_cycle.start()
+        self._began = True
         self._arm()
         self._readiness = Readiness(self, hears_plant=True)
 
@@ -123,10 +137,14 @@ class PlantNode(Node):
 
     def _on_timer(self) -> None:
         """Wake the cycle when its deadline is there; deadlines may have moved meanwhile."""
-        if monotonic() >= self._tick_cycle.deadline - _EARLY:
-            self._tick_cycle.expire()
+        self.look_at_clock()
         self._arm()
         self._diagnostics.catch_up()
+
+    def look_at_clock(self) -> None:
+        """Wake the cycle when its deadline is there."""
+        if self._began and self._now() >= self._tick_cycle.deadline - _EARLY:
+            self._tick_cycle.expire()
 
     def wake_up(self) -> None:
         """Set the timer anew, but only where it would come too late: that takes 24 us."""
@@ -136,7 +154,7 @@ class PlantNode(Node):
     def _arm(self) -> None:
         """Let the timer come at the deadline."""
         self._wake = self._tick_cycle.deadline
-        self._timer.timer_period_ns = max(_SOONEST, round(1e9 * (self._wake - monotonic())))
+        self._timer.timer_period_ns = max(_SOONEST, round(1e9 * (self._wake - self._now())))
         self._timer.reset()
 
     # ---- services

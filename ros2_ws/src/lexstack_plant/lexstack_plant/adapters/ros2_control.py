@@ -14,6 +14,7 @@ from std_srvs.srv import SetBool
 from lexstack.types import RobotState
 from lexstack_config.parts import build_team
 from lexstack_config.plant_file import check_plant, load_plant
+from lexstack_plant.hardware.clocks import SimulatedClock, WallClock
 from lexstack_plant.hardware.cycle import HardwareCycle
 from lexstack_plant.hardware.outputs import RobotCommand
 from lexstack_plant.hardware.plant import HardwareCounters, HardwarePlant, Phase
@@ -41,21 +42,26 @@ class PlantAdapter(PlantNode):
         plant = load_plant(path)
         check_plant(plant, resolved, str(path))
         team = build_team(resolved)
-        self._plant = HardwarePlant(resolved, team, plant, self._send, monotonic)
+        simulated = plant.use_sim_time
+        clock = SimulatedClock(self, self.look_at_clock) if simulated else WallClock()
+        self._plant = HardwarePlant(resolved, team, plant, self._send, clock.now)
+        self._clock_now = clock.now
         pacer = Pacer("realtime", self._plant.period, scenario.timeouts.command_wall)
         last = round(scenario.duration * scenario.rate)
-        self._cycle = HardwareCycle(self._plant, pacer, last, self.publish, monotonic)
+        self._cycle = HardwareCycle(self._plant, pacer, last, self.publish, clock.now)
         self._told = ""
         states = StateTopics(self, self.refuse)
         self._robots = {
-            name: RobotTopics(self, robot, states, presser(self._press, name), plant.safety.stop)
+            name: RobotTopics(
+                self, robot, states, presser(self._press, name), plant.safety.stop, clock
+            )
             for name, robot in self._plant.robots.items()
         }
         for name in self._robots:
             self.create_service(SetBool, f"/{name}/enable", partial(self._on_enable, name))
         self.create_timer(_LOOK, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
         topics = PlantTopics(self, team, scenario.rate, tools=False)
-        self.begin(team, pacer, self._cycle, topics, run=False)
+        self.begin(team, pacer, self._cycle, topics, run=False, now=clock.now)
 
     def counters(self) -> HardwareCounters:
         """Return the plant's counters."""
@@ -70,7 +76,7 @@ class PlantAdapter(PlantNode):
 
     def figures(self) -> dict[str, str]:
         """Return what became of the robots' messages."""
-        now = monotonic()
+        now = self._clock_now()
         figures = {"phase": self._plant.phase.value}
         for name, robot in self._plant.robots.items():
             counters = robot.joints.counters
@@ -91,11 +97,14 @@ class PlantAdapter(PlantNode):
     def close(self) -> None:
         """Brake the robots, and leave them at zero velocity, before the process ends."""
         self._plant.stop("plant_adapter ends")
-        due, end = monotonic(), monotonic() + _LONGEST
-        while self._plant.phase is Phase.STOPPING and monotonic() < end:
-            due += self._plant.period
-            time.sleep(max(0.0, due - monotonic()))
-            self._plant.step(None, due)
+        # The executor has ended: nothing more is heard, and the wall's clock must do.
+        begun, due = monotonic(), self._clock_now()
+        ticks = round(_LONGEST / self._plant.period)
+        for tick in range(1, ticks + 1):
+            if self._plant.phase is not Phase.STOPPING:
+                break
+            time.sleep(max(0.0, begun + tick * self._plant.period - monotonic()))
+            self._plant.step(None, due + tick * self._plant.period)
 
     def _send(self, name: str, command: RobotCommand) -> None:
         """Send a robot its commands of a tick."""

@@ -58,4 +58,3 @@ class Guard:
     def _joint(self, i: int) -> str:
         """Return the name of a joint of chi."""
         return self._team.joint_names[i]
-

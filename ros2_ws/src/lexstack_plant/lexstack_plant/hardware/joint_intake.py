@@ -130,9 +130,7 @@ class JointIntake:
         places = np.array([self._place[sample.names[i]] for i in found], dtype=np.intp)
         if len(sample.positions) != len(sample.names):
             if found:
-                self._refuse(
-                    f"{len(sample.names)} names, but {len(sample.positions)} positions"
-                )
+                self._refuse(f"{len(sample.names)} names, but {len(sample.positions)} positions")
             return places[:0], []
         if len(set(places.tolist())) != len(found):
             self._refuse(f"a joint stands twice in {shown(list(sample.names))}")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from builtin_interfaces.msg import Duration, Time
 from lexstack.types import Vector
 from lexstack_plant.hardware.base_intake import BaseSample
 from lexstack_plant.hardware.joint_intake import JointSample
@@ -65,7 +65,9 @@ def values(vector: Vector) -> Float64MultiArray:
     return Float64MultiArray(data=to_array(vector))
 
 
-def twist_message(twist: Vector, stamp: float, frame: str, *, stamped: bool) -> Twist | TwistStamped:
+def twist_message(
+    twist: Vector, stamp: float, frame: str, *, stamped: bool
+) -> Twist | TwistStamped:
     """Return a platform's velocity along its own axes, shape (3,)."""
     bare = Twist()
     bare.linear.x, bare.linear.y, bare.angular.z = twist.tolist()

@@ -46,7 +46,7 @@ class ArmOutput:
         return self._spline.led if self.type in ("joint_trajectory", "position") else None
 
     def in_flight(self, chi: Vector) -> Vector:
-        """Return how far commands, with chi (n,) the last of them, will still move the arm, (n,)."""
+        """Return how far the commands up to chi (n,) will still move the arm, shape (n,)."""
         return self._dt * chi if self.led is None else self._spline.in_flight
 
     def begin(self, q: Vector, v: Vector) -> None:

@@ -117,10 +117,16 @@ class HardwarePlant:
         self._brake = SmoothBrake(team.limits, self.period)
         distance = per_joint(team, "q_star_distance", "q_star_distance")
         self._rules = CommandRules(
-            team.limits, self.period, watchdog, distance, lambda chi: self._brake(chi, self._m.change)
+            team.limits,
+            self.period,
+            watchdog,
+            distance,
+            lambda chi: self._brake(chi, self._m.change),
         )
         self._send, self._clock = send, clock
-        self._arms = np.concatenate([np.arange(model.n) >= model.arm.start for model in team.robots])
+        self._arms = np.concatenate(
+            [np.arange(model.n) >= model.arm.start for model in team.robots]
+        )
         nothing = np.zeros(team.n)
         self._m = HardwareMemory(*(nothing.copy() for _ in range(7)))
 
@@ -140,8 +146,8 @@ class HardwarePlant:
         """Return the state of this tick.
 
         Its q is where the robots will be when the next command begins to act: as measured when the
-        tick began, and moved on by the commands that are on their way. So the controllers see robots
-        without delay, and keep position limits at any delay of the outputs.
+        tick began, and moved on by the commands that are on their way. So the controllers see
+        robots without delay, and keep position limits at any delay of the outputs.
         """
         m = self._m
         return RobotState(

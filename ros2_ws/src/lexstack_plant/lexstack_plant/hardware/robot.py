@@ -81,7 +81,9 @@ class HardwareRobot:
         most = self._safety.stale
         missing = self.joints.missing()
         if missing:
-            return f"{self.name}: no state of {', '.join(missing)} on {self.config.joint_states.topic}"
+            return (
+                f"{self.name}: no state of {', '.join(missing)} on {self.config.joint_states.topic}"
+            )
         age = self.joints.age(now)
         if age > most:
             return f"{self.name}: joint states are {1e3 * age:.0f} ms old, at most {1e3 * most:.0f}"

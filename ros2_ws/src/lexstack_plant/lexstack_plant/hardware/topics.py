@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from time import monotonic, time
 from typing import Any
 
 from geometry_msgs.msg import Twist, TwistStamped
@@ -16,6 +15,7 @@ from std_msgs.msg import Bool, Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
 from lexstack.errors import InputError
+from lexstack_plant.hardware.clocks import HardwareClock
 from lexstack_plant.hardware.messages import (
     base_sample,
     joint_sample,
@@ -77,9 +77,10 @@ class RobotTopics:
         states: StateTopics,
         press: Callable[[bool], None],
         stop: str | None,
+        clock: HardwareClock,
     ) -> None:
         """Subscribe and advertise; ``stop`` is the topic of an emergency stop."""
-        self._robot = robot
+        self._robot, self._clock = robot, clock
         config = robot.config
         states.add(JointState, config.joint_states.topic, self._on_joints)
         if config.base is not None and config.base.odometry is not None:
@@ -100,7 +101,7 @@ class RobotTopics:
 
     def send(self, command: RobotCommand) -> None:
         """Publish the commands of a tick; their stamps are those of the tick, not of now."""
-        stamp = time() + command.due - monotonic()
+        stamp = self._clock.stamp(command.due)
         if command.points:
             self._arm_out.publish(trajectory(self._robot.names, command.points, stamp))
         elif command.values is not None:
@@ -111,12 +112,12 @@ class RobotTopics:
 
     def _on_joints(self, message: JointState) -> None:
         """Take a message of joints."""
-        self._robot.joints.hear(joint_sample(message, monotonic()))
+        self._robot.joints.hear(joint_sample(message, self._clock.now()))
 
     def _on_odometry(self, message: Odometry) -> None:
         """Take a message of odometry."""
         if self._robot.base is not None:
-            self._robot.base.hear(base_sample(message, monotonic()))
+            self._robot.base.hear(base_sample(message, self._clock.now()))
 
 
 def presser(press: Callable[..., None], name: str) -> Callable[[bool], None]:

@@ -1,1 +1,1 @@
-"""Robots as hardware has them, in MuJoCo: topics of controllers, and habits that simulators lack."""
+"""Robots in MuJoCo behind the topics of their controllers, with the habits of hardware."""

@@ -35,7 +35,7 @@ class TrajectoryConsumer(ArmConsumer):
         self._segment: Quintic | None = None  # from the first point of the path to the second
 
     def take(self, command: Sequence[Point] | Vector, now: float) -> None:
-        """Replace what is left of the trajectory by another one; points of the past are left out."""
+        """Replace what is left of the trajectory; points of the past are left out."""
         coming = [point for point in command if isinstance(point, Point) and point.time > now]
         if coming:
             self._path = [self._sample(now), *coming]

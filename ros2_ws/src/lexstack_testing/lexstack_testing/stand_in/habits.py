@@ -22,6 +22,7 @@ class Habits:
         velocities: whether joint states have velocities.
         quantum: rad, resolution of the encoders.
         drift: share of its way and its turn by which the odometry is wrong.
+        speed: of time at most, where /clock tells it: simulated s per s of the wall's.
         reflex: whether the drives stop at a step beyond their acceleration and jerk limits.
     """
 
@@ -35,6 +36,7 @@ class Habits:
     velocities: bool = True
     quantum: float = 0.0
     drift: float = 0.0
+    speed: float = 1.0
     reflex: bool = True
 
 

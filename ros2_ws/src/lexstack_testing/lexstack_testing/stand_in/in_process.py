@@ -84,9 +84,7 @@ class HardwareInProcess:
         """Hand a robot's commands to the stand-in."""
         self.commands[name] = command
         if command.points:
-            points = [
-                replace(point, time=command.due + point.time) for point in command.points
-            ]
+            points = [replace(point, time=command.due + point.time) for point in command.points]
             self.robots.command_arm(name, points, self.now)
         elif command.values is not None:
             self.robots.command_arm(name, np.array(command.values), self.now)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from time import time
@@ -11,10 +12,13 @@ from typing import Any
 import numpy as np
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
-from rclpy.clock import Clock, ClockType
+from rclpy.clock import Clock as SteadyClock
+from rclpy.clock import ClockType
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray
 from std_srvs.srv import SetBool
@@ -26,6 +30,8 @@ from lexstack_plant.hardware.base_intake import BaseSample
 from lexstack_plant.hardware.joint_intake import JointSample
 from lexstack_plant.hardware.messages import seconds_of
 from lexstack_plant.hardware.spline import Point
+from lexstack_ros.intake.delays import with_info
+from lexstack_ros.intake.drain import waiting
 from lexstack_ros.messages.conversions import to_time
 from lexstack_ros.node.diagnostics import Diagnostics, Health
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
@@ -35,9 +41,12 @@ from lexstack_ros.node.spin import run_node
 from lexstack_testing.stand_in.habits import parse_habits
 from lexstack_testing.stand_in.robots import Sent, StandIn
 
-_LOOK = 0.002  # s between two looks at the clock
+_LOOK = 0.004  # s between two looks at the clock: every state that is due goes out then
+_SLICE = 0.002  # s from one /clock to the next
 _STATES = QoSProfile(depth=10)
-_COMMANDS = QoSProfile(depth=10)
+_COMMANDS = QoSProfile(depth=100)  # more than come while this process has no time
+Take = Callable[[Any, float], None]
+"""Takes a command that was sent at a time [s since 1970]."""
 
 
 class StandInNode(Node):
@@ -53,19 +62,23 @@ class StandInNode(Node):
         check_plant(self._file, resolved, str(path))
         for name in resolved.scenario.robots:
             if self._file.robots[name].arm.type == "effort":
-                raise ConfigurationError(f"{path}: robots.{name}.arm.type: effort is not stood in for")
-        self.robots = StandIn(
-            resolved, self._file, parse_habits(habits), time(), resolved.scenario.seed
-        )
+                raise ConfigurationError(
+                    f"{path}: robots.{name}.arm.type: effort is not stood in for"
+                )
+        chosen, simulated = parse_habits(habits), self._file.use_sim_time
+        self._clock_out = self.create_publisher(Clock, "/clock", _STATES) if simulated else None
+        now = 1.0 if simulated else time()
+        self.robots = StandIn(resolved, self._file, chosen, now, resolved.scenario.seed)
         self._told: dict[str, str] = {}
+        self._commands: list[tuple[Subscription, Take]] = []
         self._joints_out: dict[str, Publisher] = {}
         self._odometry_out: dict[str, Publisher] = {}
         for name in resolved.scenario.robots:
             self._connect(name)
         stop = self._file.safety.stop
         self._stop_out = None if stop is None else self.create_publisher(Bool, stop, _STATES)
-        wall = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(_LOOK, self._on_timer, clock=wall)
+        look = _SLICE / chosen.speed if simulated else _LOOK
+        self.create_timer(look, self._on_timer, clock=SteadyClock(clock_type=ClockType.STEADY_TIME))
         Diagnostics(self, self._health)
         print(READY, flush=True)
 
@@ -78,7 +91,7 @@ class StandInNode(Node):
         kind, take = Float64MultiArray, self._on_values
         if config.arm.type == "joint_trajectory":
             kind, take = JointTrajectory, self._on_trajectory
-        self.create_subscription(kind, config.arm.command, partial(take, name), _COMMANDS)
+        self._hear(kind, config.arm.command, partial(take, name))
         self.create_service(SetBool, f"/{name}/stand_in/stop", partial(self._on_stop, name))
         if config.base is None:
             return
@@ -87,13 +100,23 @@ class StandInNode(Node):
                 Odometry, config.base.odometry, _STATES
             )
         twist = TwistStamped if config.base.type == "twist_stamped" else Twist
-        self.create_subscription(
-            twist, config.base.command, partial(self._on_twist, name), _COMMANDS
-        )
+        self._hear(twist, config.base.command, partial(self._on_twist, name))
 
-    def _on_trajectory(self, name: str, message: JointTrajectory) -> None:
-        """Take a trajectory; one without a stamp begins now."""
-        now = time()
+    def _hear(self, kind: type, topic: str, take: Take) -> None:
+        """Hear commands; each counts from when it was sent, however busy this process is."""
+
+        def hear(message: Any, info: dict[str, int]) -> None:
+            take(message, self._sent(info))
+
+        subscription = self.create_subscription(kind, topic, with_info(hear), _COMMANDS)
+        self._commands.append((subscription, take))
+
+    def _sent(self, info: dict[str, int]) -> float:
+        """Return when a message was sent, by the robots' clock [s]."""
+        return self.robots.time if self._clock_out else 1e-9 * info["source_timestamp"]
+
+    def _on_trajectory(self, name: str, message: JointTrajectory, now: float) -> None:
+        """Take a trajectory; one without a stamp begins when it was sent."""
         start = seconds_of(message.header.stamp) or now
         joints = list(self.robots.robots[name].model.joints[self.robots.robots[name].model.arm])
         order = [list(message.joint_names).index(joint) for joint in joints]
@@ -108,15 +131,15 @@ class StandInNode(Node):
         ]
         self.robots.command_arm(name, points, now)
 
-    def _on_values(self, name: str, message: Float64MultiArray) -> None:
+    def _on_values(self, name: str, message: Float64MultiArray, now: float) -> None:
         """Take positions or velocities."""
-        self.robots.command_arm(name, np.array(message.data), time())
+        self.robots.command_arm(name, np.array(message.data), now)
 
-    def _on_twist(self, name: str, message: Any) -> None:
+    def _on_twist(self, name: str, message: Any, now: float) -> None:
         """Take the velocity of a platform."""
         twist = message.twist if isinstance(message, TwistStamped) else message
         values = np.array([twist.linear.x, twist.linear.y, twist.angular.z])
-        self.robots.command_base(name, values, time())
+        self.robots.command_base(name, values, now)
 
     def _on_stop(
         self, name: str, request: SetBool.Request, response: SetBool.Response
@@ -130,7 +153,15 @@ class StandInNode(Node):
 
     def _on_timer(self) -> None:
         """Move the robots up to now, and send what they measure."""
-        for sent in self.robots.advance(time()):
+        # What was sent before now counts before now, though the executor has not handed it over.
+        now = time()
+        for subscription, take in self._commands:
+            for message, info in waiting(subscription):
+                take(message, self._sent(info))
+        if self._clock_out is not None:
+            now = self.robots.time + _SLICE
+            self._clock_out.publish(Clock(clock=to_time(now)))
+        for sent in self.robots.advance(now):
             self._publish(sent)
         stopped = self.robots.stopped()
         for name, reason in stopped.items():
@@ -157,7 +188,7 @@ class StandInNode(Node):
     def _health(self) -> Health:
         """Return how the robots are."""
         told = "; ".join(f"{name}: {reason}" for name, reason in self._told.items())
-        behind = time() - self.robots.time
+        behind = 0.0 if self._clock_out else time() - self.robots.time
         return Health(told, {"behind the clock [ms]": f"{1e3 * behind:.1f}"})
 
 
