@@ -14,7 +14,8 @@ KINDS = ("robots", "stacks", "htmpc", "plants")
 class Folders:
     """Configuration folders, searched in their order: the first that has a file wins.
 
-    A folder has its files in ``robots/``, ``stacks/``, ``htmpc/`` and ``plants/``, or beside each other.
+    A folder has its files in ``robots/``, ``stacks/``, ``htmpc/`` and ``plants/``, or beside each
+    other.
 
     Attributes:
         folders: the last one is where a file is missed that no folder has.

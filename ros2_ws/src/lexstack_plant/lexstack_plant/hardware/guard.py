@@ -32,7 +32,7 @@ class Guard:
         return self._too_fast(v, self._safety.speed)
 
     def lost(self, away: Vector) -> str:
-        """Return which joint does not go where it is led, by how far each is from it (n,), or ''."""
+        """Return which joint does not go where it is led, or ''; ``away`` (n,): by how far."""
         if not (np.abs(away) > self._safety.following).any():
             return ""
         i = int(np.argmax(np.abs(away)))

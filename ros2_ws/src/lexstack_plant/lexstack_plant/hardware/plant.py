@@ -84,6 +84,7 @@ class HardwarePlant:
         plant: PlantFile,
         send: Send,
         clock: Callable[[], float],
+        accepted: float = _ACCEPTED,
     ) -> None:
         """Make the plant, disabled.
 
@@ -93,6 +94,7 @@ class HardwarePlant:
             plant: where they are reached.
             send: takes the commands of each tick.
             clock: monotonic [s].
+            accepted: relative, by which a command may exceed a limit; others stop the robots.
         """
         scenario = resolved.scenario
         self.team = team
@@ -123,7 +125,7 @@ class HardwarePlant:
             distance,
             lambda chi: self._brake(chi, self._m.change),
         )
-        self._send, self._clock = send, clock
+        self._send, self._clock, self._accepted = send, clock, accepted
         self._arms = np.concatenate(
             [np.arange(model.n) >= model.arm.start for model in team.robots]
         )
@@ -302,7 +304,7 @@ class HardwarePlant:
             if m.silence > self._silence:
                 self.stop(f"no commands for {self._silence * self.period:.2g} s")
             return
-        fast, sudden = self._rules.exceeded(m, chi, _ACCEPTED)
+        fast, sudden = self._rules.exceeded(m, chi, self._accepted)
         if fast or sudden:
             self.counters.refused += 1
             change = np.abs(chi - m.command) / self._rules.step_limit

@@ -18,11 +18,13 @@ class Drive:
 
     Attributes:
         stopped: why it refuses everything; '': it follows.
+        peaks: largest velocity, acceleration and jerk that it was asked for / limit, shape (3,).
     """
 
     def __init__(self, limits: JointLimits, q: Vector, period: float, *, reflex: bool) -> None:
         """Stand at a position, shape (n,); ``period`` [s] is that of ``follow``."""
         self.stopped = ""
+        self.peaks: Vector = np.zeros(3)
         self._limits = limits
         self._most = (1.0 + _TOLERANCE) * np.array(
             [limits.velocity, limits.acceleration, limits.jerk]
@@ -45,8 +47,9 @@ class Drive:
         period = self._period
         v = (q - self._q) / period
         a = (v - self._v) / period
-        if not self.stopped and self._reflex:
-            self.stopped = self._excess(v, a)
+        if not self.stopped:
+            excess = self._excess(v, a)
+            self.stopped = excess if self._reflex else ""
         if self.stopped:
             most = self._limits.acceleration * period
             v = self._v - np.clip(self._v, -most, most)
@@ -59,6 +62,7 @@ class Drive:
         """Return which limit a step of the positions is beyond, or ''."""
         found = np.array([v, a, (a - self._a) / self._period])
         ratio = np.abs(found) / self._most
+        self.peaks = np.maximum(self.peaks, ratio.max(axis=1))
         if ratio.max() <= 1.0:
             return ""
         what, joint = np.argwhere(ratio > 1.0)[0]

@@ -37,11 +37,23 @@ class HardwareInProcess:
         seed: int = 0,
         *,
         enable: bool = True,
+        check: bool = True,
     ) -> None:
-        """Bring both up, hear of all robots, and enable them."""
+        """Bring both up, hear of all robots, and enable them.
+
+        Args:
+            resolved: the scenario.
+            team: its robots.
+            plant: where they are reached.
+            habits: of the stand-in.
+            seed: of everything random.
+            enable: whether the robots are enabled.
+            check: whether the adapter refuses commands beyond the limits.
+        """
         self.now = 100.0  # s; no clock begins at zero
         self.robots = StandIn(resolved, plant, habits, self.now, seed)
-        self.adapter = HardwarePlant(resolved, team, plant, self._send, lambda: self.now)
+        given = (resolved, team, plant, self._send, lambda: self.now)
+        self.adapter = HardwarePlant(*given) if check else HardwarePlant(*given, accepted=np.inf)
         self.commands: dict[str, RobotCommand] = {}
         self._due = self.now
         self.pass_time(_SETTLE)
