@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
@@ -16,7 +17,7 @@ from lexstack_config.plant import PushConfig
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_sim.contacts import touching
 from lexstack_sim.coordinates import Coordinates
-from lexstack_sim.impedance import ImpedanceLoop, per_joint
+from lexstack_sim.impedance import ImpedanceLoop, TorqueLoop, per_joint
 from lexstack_sim.notes import notes
 from lexstack_sim.payload_friction import add_payload_friction
 from lexstack_sim.plant_state import Counters, PlantError, PlantState, Snapshot, Status
@@ -44,8 +45,20 @@ class Plant:
         notes: what is not simulated as the robots' files say, one line each.
     """
 
-    def __init__(self, resolved: ResolvedScenario, team: Team, seed: int = 0) -> None:
+    def __init__(
+        self,
+        resolved: ResolvedScenario,
+        team: Team,
+        seed: int = 0,
+        loop: Callable[[Team, float, Vector], TorqueLoop] = ImpedanceLoop,
+    ) -> None:
         """Build the world of a scenario and put the robots where they start.
+
+        Args:
+            resolved: the scenario.
+            team: its robots.
+            seed: of everything random.
+            loop: makes what controls the actuators.
 
         Raises:
             ConfigurationError: the control period is not a multiple of the physics step, or a
@@ -77,7 +90,7 @@ class Plant:
             (round(push.at / self.period), self._wrench(push)) for push in scenario.plant.pushes
         ]
         self._obstacles = team.obstacles
-        self._loop = ImpedanceLoop(team, PHYSICS_PERIOD, self._data.ctrl)
+        self._loop = loop(team, PHYSICS_PERIOD, self._data.ctrl)
         self._coordinates = Coordinates(self.world, team)
         direct = self._coordinates.direct
         self._q: Vector = self._data.qpos if direct else np.zeros(team.n)

@@ -18,7 +18,7 @@ from lexstack_plant.hardware.clocks import SimulatedClock, WallClock
 from lexstack_plant.hardware.cycle import HardwareCycle
 from lexstack_plant.hardware.outputs import RobotCommand
 from lexstack_plant.hardware.plant import HardwareCounters, HardwarePlant, Phase
-from lexstack_plant.hardware.topics import RobotTopics, StateTopics, presser
+from lexstack_plant.hardware.topics import RobotTopics, StateTopics
 from lexstack_plant.node import PlantNode
 from lexstack_plant.pacing import Pacer
 from lexstack_plant.topics import PlantTopics
@@ -53,7 +53,13 @@ class PlantAdapter(PlantNode):
         states = StateTopics(self, self.refuse)
         self._robots = {
             name: RobotTopics(
-                self, robot, states, presser(self._press, name), plant.safety.stop, clock
+                self,
+                robot,
+                states,
+                press=partial(self._press, name),
+                stop=plant.safety.stop,
+                clock=clock,
+                hear=partial(self._plant.hear_joints, name),
             )
             for name, robot in self._plant.robots.items()
         }
@@ -110,9 +116,9 @@ class PlantAdapter(PlantNode):
         """Send a robot its commands of a tick."""
         self._robots[name].send(command)
 
-    def _press(self, name: str, *, pressed: bool) -> None:
+    def _press(self, name: str, pressed: bool) -> None:
         """Take note of an emergency stop."""
-        self._plant.press(name, pressed=pressed)
+        self._plant.press(name, pressed)
 
     def _look(self) -> None:
         """Look at who listens."""

@@ -16,6 +16,7 @@ from lexstack_config.plant_file import PlantFile
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_plant.hardware.braking import SmoothBrake
 from lexstack_plant.hardware.guard import Guard
+from lexstack_plant.hardware.joint_intake import JointSample
 from lexstack_plant.hardware.outputs import RobotCommand
 from lexstack_plant.hardware.robot import HardwareRobot
 from lexstack_sim.impedance import per_joint
@@ -203,6 +204,26 @@ class HardwarePlant:
         self.counters.clamped += self._rules.bound(m, self._known())
         return self.state()
 
+    def hear_joints(self, name: str, sample: JointSample) -> None:
+        """Take a message of a robot's joints; an arm that takes torques is sent the next ones.
+
+        Raises:
+            InputError: it is no sample.
+        """
+        robot, m = self.robots[name], self._m
+        taken = robot.joints.counters.taken
+        robot.joints.hear(sample)
+        if robot.effort is None or self.resting or robot.joints.counters.taken == taken:
+            return
+        now = self._clock()
+        part = self.team.slices[self.team.index(name)]
+        q, v = robot.measured(now)
+        # Between two ticks q* goes on along the command in force.
+        passed = min(max(now - m.due, 0.0), self.period)
+        ahead = m.q_star[part] + (passed - self.period) * m.command[part]
+        torques = robot.effort.torques(q, v, ahead, m.command[part])
+        self._send(name, RobotCommand(now, values=torques))
+
     # ---- who may move
 
     def enable(self, name: str) -> bool:
@@ -240,7 +261,7 @@ class HardwarePlant:
         if self.phase is Phase.ENABLED:
             self.phase, self.reason = Phase.STOPPING, reason
 
-    def press(self, name: str, *, pressed: bool) -> None:
+    def press(self, name: str, pressed: bool) -> None:
         """Take note of a robot's emergency stop."""
         robot = self._robot(name)
         robot.pressed = pressed

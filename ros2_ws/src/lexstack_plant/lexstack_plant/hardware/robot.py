@@ -10,6 +10,7 @@ from lexstack.robots import RobotModel
 from lexstack.types import Vector
 from lexstack_config.plant_file import RobotInterfaceConfig, SafetyConfig
 from lexstack_plant.hardware.base_intake import BaseIntake
+from lexstack_plant.hardware.effort import EffortLoop
 from lexstack_plant.hardware.joint_intake import JointIntake
 from lexstack_plant.hardware.outputs import ArmOutput, RobotCommand, holonomic_twist
 
@@ -22,6 +23,7 @@ class HardwareRobot:
         joints: what is measured of its arm.
         base: what is measured of its platform; None: it has none.
         output: what its arm is sent.
+        effort: what makes the torques of an arm that takes them.
         names: of the arm's joints in messages, in the order of chi.
         listens: whether somebody hears its commands; set by whoever sends them.
         platform: the platform's joints in the robot's part of chi.
@@ -62,6 +64,9 @@ class HardwareRobot:
                 twist_in_base=config.base.twist_axes == "base",
             )
         self.output = ArmOutput(config.arm, _part(robot.limits, robot.arm), dt, hold)
+        self.effort: EffortLoop | None = None
+        if config.arm.type == "effort":
+            self.effort = EffortLoop(robot, holds_weight=config.arm.gravity)
         self.listens = True
         self.pressed = False
 
@@ -128,6 +133,8 @@ class HardwareRobot:
     def begin(self, q: Vector, v: Vector) -> None:
         """Begin to be commanded at a state, shape (n,) each."""
         self.output.begin(q[self._model.arm], v[self._model.arm])
+        if self.effort is not None:
+            self.effort.begin(q)
 
     def push(self, chi: Vector) -> None:
         """Take the command of a tick, shape (n,), whether it is sent or not."""

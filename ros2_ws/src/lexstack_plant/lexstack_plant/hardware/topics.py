@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import Twist, TwistStamped
@@ -16,6 +15,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from lexstack.errors import InputError
 from lexstack_plant.hardware.clocks import HardwareClock
+from lexstack_plant.hardware.joint_intake import JointSample
 from lexstack_plant.hardware.messages import (
     base_sample,
     joint_sample,
@@ -75,12 +75,17 @@ class RobotTopics:
         node: Node,
         robot: HardwareRobot,
         states: StateTopics,
+        *,
         press: Callable[[bool], None],
         stop: str | None,
         clock: HardwareClock,
+        hear: Callable[[JointSample], None],
     ) -> None:
-        """Subscribe and advertise; ``stop`` is the topic of an emergency stop."""
-        self._robot, self._clock = robot, clock
+        """Subscribe and advertise; ``stop`` is the topic of an emergency stop.
+
+        ``hear`` takes what the arm's joints measure.
+        """
+        self._robot, self._clock, self._hear = robot, clock, hear
         config = robot.config
         states.add(JointState, config.joint_states.topic, self._on_joints)
         if config.base is not None and config.base.odometry is not None:
@@ -112,14 +117,9 @@ class RobotTopics:
 
     def _on_joints(self, message: JointState) -> None:
         """Take a message of joints."""
-        self._robot.joints.hear(joint_sample(message, self._clock.now()))
+        self._hear(joint_sample(message, self._clock.now()))
 
     def _on_odometry(self, message: Odometry) -> None:
         """Take a message of odometry."""
         if self._robot.base is not None:
             self._robot.base.hear(base_sample(message, self._clock.now()))
-
-
-def presser(press: Callable[..., None], name: str) -> Callable[[bool], None]:
-    """Return what takes note of a robot's emergency stop."""
-    return lambda pressed: partial(press, name)(pressed=pressed)

@@ -88,7 +88,7 @@ class HardwareInProcess:
         """Hand a message to the adapter."""
         robot, sample = self.adapter.robots[sent.robot], sent.sample
         if isinstance(sample, JointSample):
-            robot.joints.hear(replace(sample, received=self.now))
+            self.adapter.hear_joints(sent.robot, replace(sample, received=self.now))
         elif robot.base is not None:
             robot.base.hear(replace(sample, received=self.now))
 

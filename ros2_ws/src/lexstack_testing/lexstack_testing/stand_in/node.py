@@ -24,7 +24,7 @@ from std_msgs.msg import Bool, Float64MultiArray
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 
-from lexstack.errors import ConfigurationError, InputError
+from lexstack.errors import InputError
 from lexstack_config.plant_file import check_plant, load_plant
 from lexstack_plant.hardware.base_intake import BaseSample
 from lexstack_plant.hardware.joint_intake import JointSample
@@ -60,11 +60,6 @@ class StandInNode(Node):
         habits = text_parameter(self, "habits", "all, or NAME=VALUE,...", "")
         self._file = load_plant(path)
         check_plant(self._file, resolved, str(path))
-        for name in resolved.scenario.robots:
-            if self._file.robots[name].arm.type == "effort":
-                raise ConfigurationError(
-                    f"{path}: robots.{name}.arm.type: effort is not stood in for"
-                )
         chosen, simulated = parse_habits(habits), self._file.use_sim_time
         self._clock_out = self.create_publisher(Clock, "/clock", _STATES) if simulated else None
         now = 1.0 if simulated else time()

@@ -13,7 +13,7 @@ import numpy as np
 
 from lexstack.limits import JointLimits
 from lexstack.limits.joint_limits import LIMITS
-from lexstack.robots import RobotModel
+from lexstack.robots import RobotModel, Team
 from lexstack.types import Vector
 from lexstack_config.parts import build_team
 from lexstack_config.plant_file import PlantFile
@@ -21,6 +21,7 @@ from lexstack_config.resolved import ResolvedScenario
 from lexstack_plant.hardware.base_intake import BaseSample, composed, inverse, turned
 from lexstack_plant.hardware.joint_intake import JointSample
 from lexstack_plant.hardware.spline import Point
+from lexstack_sim.impedance import ImpedanceLoop, TorqueLoop
 from lexstack_sim.plant import Plant
 from lexstack_testing.stand_in.consumers import (
     ArmConsumer,
@@ -31,6 +32,7 @@ from lexstack_testing.stand_in.consumers import (
 )
 from lexstack_testing.stand_in.drive import Drive
 from lexstack_testing.stand_in.habits import Habits
+from lexstack_testing.stand_in.torques import HeldTorques
 
 PERIOD = 1e-3  # s, of everything inside
 _FASTEST = 2.0  # times the velocity limit: how fast q* goes where it has been pulled back
@@ -62,6 +64,7 @@ class _Robot:
             "joint_trajectory": TrajectoryConsumer(arm),
             "position": PositionConsumer(arm, period),
             "velocity": VelocityConsumer(arm, period),
+            "effort": PositionConsumer(arm, period),  # of no effect
         }
         self.arm = kinds[kind]
         self.base = BaseConsumer(limits.acceleration[model.base]) if model.has_base else None
@@ -92,7 +95,9 @@ class StandIn:
         """Put the robots of a scenario where it starts, at ``now`` [s]."""
         fast = replace(resolved, scenario=replace(resolved.scenario, rate=1.0 / PERIOD))
         self.team = build_team(fast)
-        self.plant = Plant(fast, self.team, seed)
+        self._effort = [name for name in self.team.names if plant.robots[name].arm.type == "effort"]
+        self._held: dict[str, Vector] = {}
+        self.plant = Plant(fast, self.team, seed, self._loop)
         self.time = now
         self.habits = habits
         self._state = self.plant.state()
@@ -109,6 +114,15 @@ class StandIn:
         self._going: list[tuple[float, int, tuple[str, str], Any]] = []  # states on their way
         self._arrival: dict[tuple[str, str], float] = {}  # of the last message of each line
         self._next = now
+
+    def _loop(self, team: Team, period: float, control: Vector) -> TorqueLoop:
+        """Return what controls the actuators: torques are passed on as they come."""
+        places = {
+            model.name: part.start + np.arange(model.arm.start, model.arm.stop)
+            for model, part in zip(team.robots, team.slices, strict=True)
+            if model.name in self._effort
+        }
+        return HeldTorques(ImpedanceLoop(team, period, control), control, places, self._held)
 
     def command_arm(self, robot: str, command: Sequence[Point] | Vector, now: float) -> None:
         """Send an arm a trajectory with absolute times, or an array, at ``now`` [s]."""
@@ -151,7 +165,9 @@ class StandIn:
         while self._coming and self._coming[0][0] <= self.time:
             at, _, (name, what), command = heapq.heappop(self._coming)
             robot = self.robots[name]
-            if what == "arm":
+            if what == "arm" and name in self._effort:
+                self._held[name] = command
+            elif what == "arm":
                 robot.arm.take(command, max(at, self.time))
             elif robot.base is not None:
                 robot.base.take(command, self.time)
