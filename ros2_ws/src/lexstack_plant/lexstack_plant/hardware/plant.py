@@ -190,8 +190,8 @@ class HardwarePlant:
         m.slip += self.period * (before - m.v) - self.period / _FORGETS * m.slip
         for model, part, robot in self._parts():
             robot.push(m.command[part])
-            # While states are stale, the platform is where the commands led it.
-            q = m.q_star if self._old(robot, now) else m.q
+            # While robots are braked their states may be wrong: a platform is where it was led.
+            q = m.q if self.phase is Phase.ENABLED else m.q_star
             self._send(model, robot.command(m.command[part], q[part], due))
         m.tick, m.due = m.tick + 1, due
         self._measure(now)
@@ -367,14 +367,10 @@ class HardwarePlant:
             if self.phase is Phase.DISABLED:
                 continue
             m.in_flight[part] = robot.in_flight(m.command[part])
-            if not self._old(robot, now):
+            if self.phase is Phase.ENABLED and not robot.wrong(now):
                 # Wheels slip: where a platform was led is where it is.
                 base = robot.platform
                 m.q_star[part][base] = m.q[part][base] + m.in_flight[part][base]
-
-    def _old(self, robot: HardwareRobot, now: float) -> bool:
-        """Return whether a robot's state cannot be relied on."""
-        return bool(robot.stale(now))
 
     def _known(self) -> Vector:
         """Return the measured q, or q* while the robots are braked: states may be wrong then."""

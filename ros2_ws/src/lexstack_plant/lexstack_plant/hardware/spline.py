@@ -118,26 +118,31 @@ class CommandSpline:
             Point(dt * (k + 1), knot.position, knot.velocity, knot.acceleration)
             for k, knot in enumerate(self._knots)
         ]
-        return [*knots, *self._end(knots[-1].time)]
+        return [*knots, *self._end()]
 
-    def _end(self, time: float) -> list[Point]:
-        """Return how the motion ends after the newest knot, at ``time`` [s]."""
-        dt, v = self._dt, self._last
-        still = np.zeros_like(v)
-        if not v.any() and not self._before.any():
+    def _end(self) -> list[Point]:
+        """Return how the motion ends after the newest knot."""
+        if not self._last.any() and not self._before.any():
             return []
-        position = self.position + dt / 6.0 * (self._before + 5.0 * v)
-        points = [Point(time + dt, position, v, still)]
+        dt, limits, knot = self._dt, self._limits, self._knots[-1]
+        still = np.zeros_like(knot.velocity)
+        # The acceleration fades at a steady jerk: in one period, as if the command were repeated,
+        # or in as long as the limits need.
+        fade = max(dt, float((np.abs(knot.acceleration) / limits.jerk).max()))
+        v = knot.velocity + 0.5 * fade * knot.acceleration
+        way = fade * (knot.velocity + fade / 3.0 * knot.acceleration)
+        time, position = dt * len(self._knots) + fade, knot.position + way
+        points = [Point(time, position, v, still)]
         if self._hold:
             time, position = time + self._hold * dt, position + self._hold * dt * v
-            points.append(Point(time + dt, position, v, still))
-        speed, limits = np.abs(v), self._limits
+            points.append(Point(time, position, v, still))
+        speed = np.abs(v)
         stop = max(
             _SHORTEST,
             _REST * float((speed / limits.acceleration).max()),
             float(np.sqrt(_REST_JERK * speed / limits.jerk).max()),
         )
-        points.append(Point(time + dt + stop, position + 0.5 * stop * v, still, still))
+        points.append(Point(time + stop, position + 0.5 * stop * v, still, still))
         return points
 
 
