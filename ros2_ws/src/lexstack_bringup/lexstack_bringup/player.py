@@ -40,9 +40,19 @@ class Player(Node):
     """The user of a run: all it does, anybody can do by topic and service."""
 
     def __init__(
-        self, resolved: ResolvedScenario, executor: Executor, context: Context | None = None
+        self,
+        resolved: ResolvedScenario,
+        executor: Executor,
+        context: Context | None = None,
+        *,
+        simulated: bool = True,
+        enable: bool = True,
     ) -> None:
-        """Prepare to play; ``executor``, of the same ``context``, runs this node too."""
+        """Prepare to play; ``executor``, of the same ``context``, runs this node too.
+
+        Robots that are not ``simulated`` are enabled by the player, or with ``enable=False`` by
+        somebody else, for whom it waits.
+        """
         super().__init__(PLAYER, context=context)
         self._scenario = resolved.scenario
         self._executor = executor
@@ -59,10 +69,16 @@ class Player(Node):
         }
         self._streams = Streams(resolved, self._targets) if resolved.scenario.streams else None
         self._switch = self.create_client(SwitchStack, "robot_a/switch_stack")
-        self._pause = self.create_client(SetBool, "sim_bridge/pause")
+        starts = ["sim_bridge/pause"]
+        if not simulated:
+            starts = [f"{name}/enable" for name in resolved.scenario.robots]
+        self._starts = {name: self.create_client(SetBool, name) for name in starts}
+        self._simulated, self._enable = simulated, enable
+        self._ran = False  # whether ticks have begun
         plans = resolved.scenario.plans
         self._sequences = SequenceClient(self, resolved.scenario) if plans else None
-        self._peers = [node for node in nodes_of(resolved.scenario) if node != RECORDER]
+        nodes = nodes_of(resolved.scenario, simulated=simulated)
+        self._peers = [node for node in nodes if node != RECORDER]
         self.create_subscription(PlantState, "plant/state", self._on_state, STREAM)
         self.create_subscription(TransitionStatus, "robot_a/transition", self._on_status, STREAM)
 
@@ -87,11 +103,19 @@ class Player(Node):
         if self._scenario.mode == "realtime":
             lead = min(lead, _LEAD)
         events = self._send_due(events, lead)
-        self._release()
+        if self._enable:
+            self._release()
+        else:
+            print("waits for /NAME/enable of every robot", flush=True)
 
         def go_on() -> None:
             nonlocal events
             watch()
+            if self._ran and not self._simulated and self._paused and not self._finished():
+                raise ScenarioFailedError(
+                    f"the robots were braked and disabled at tick {self.tick}; "
+                    "the log of plant_adapter says why"
+                )
             events = self._send_due(events, self._now() + lead)
 
         self._until(self._finished, "the scenario's end", go_on, end)
@@ -140,10 +164,11 @@ class Player(Node):
         self.get_logger().info(answer.message)
 
     def _release(self) -> None:
-        """Let simulated time run."""
-        answer = self._call(self._pause, SetBool.Request(data=False))
-        if not answer.success:
-            raise ScenarioFailedError(f"/sim_bridge/pause refused: {answer.message}")
+        """Let simulated time run, or enable the robots."""
+        for name, client in self._starts.items():
+            answer = self._call(client, SetBool.Request(data=not self._simulated))
+            if not answer.success:
+                raise ScenarioFailedError(f"{name} refused: {answer.message}")
 
     def _call(self, client: Any, request: Any) -> Any:
         """Return a service's answer; raises NoAnswerError when none comes in time."""
@@ -164,15 +189,19 @@ class Player(Node):
             self.state is not None
             and is_connected(self, self._peers)
             and self._switch.service_is_ready()
-            and self._pause.service_is_ready()
+            and all(client.service_is_ready() for client in self._starts.values())
             and (self._sequences is None or self._sequences.ready)
         )
 
     def _finished(self) -> bool:
         """Return whether the plant stands still after the last tick."""
         last = round(self._scenario.duration * self._scenario.rate)
-        state = self.state
-        return state is not None and state.tick >= last and state.status == PlantState.PAUSED
+        return self.tick >= last and self._paused
+
+    @property
+    def _paused(self) -> bool:
+        """Whether the plant stands still."""
+        return self.state is not None and self.state.status == PlantState.PAUSED
 
     def _now(self) -> float:
         """Return simulated time [s]."""
@@ -180,6 +209,7 @@ class Player(Node):
 
     def _on_state(self, message: PlantState) -> None:
         self.state = message
+        self._ran |= message.status != PlantState.PAUSED
         if self._streams is not None and message.status != PlantState.PAUSED:
             self._streams.publish(self._now())
 

@@ -17,23 +17,27 @@ from lexstack_ros.node.readiness import READY
 # In the order in which they start and end: the recorder leaves last. Nobody speaks before all are
 # connected, so it misses nothing.
 RECORDER = "recorder"
+BRIDGE = "sim_bridge"
 HTMPC = "htmpc"  # runs where a scenario has sequences for it
 NODES = {
-    "sim_bridge": "lexstack_plant.adapters.mujoco",
+    BRIDGE: "lexstack_plant.adapters.mujoco",
     "hqp_controller": "lexstack_ros.controller.node",
     "stack_solver": "lexstack_ros.solver.node",
     RECORDER: "lexstack_ros.recorder.node",
 }
+ADAPTER = "plant_adapter"  # in place of the bridge, where the plant is a user's own
+ADAPTERS = {ADAPTER: "lexstack_plant.adapters.ros2_control"}
 PLANNERS = {HTMPC: "lexstack_ros.planner.node"}  # in runs with sequences
-MODULES = {**PLANNERS, **NODES}
+MODULES = {**PLANNERS, **ADAPTERS, **NODES}
 PLAIN = Naming()
 _READY_TIMEOUT = 60.0  # s of wall time, on a slow machine
 
 
-def nodes_of(scenario: ScenarioConfig) -> tuple[str, ...]:
-    """Return the names of the nodes that a scenario needs."""
+def nodes_of(scenario: ScenarioConfig, *, simulated: bool = True) -> tuple[str, ...]:
+    """Return the names of the nodes that a scenario needs, with the bridge or the adapter."""
     more = [f"{SOLVER}_{number}" for number in range(2, scenario.solvers + 1)]
-    return (*NODES, *more, *PLANNERS) if scenario.plans else (*NODES, *more)
+    nodes = (*NODES, *more, *PLANNERS) if scenario.plans else (*NODES, *more)
+    return nodes if simulated else tuple(ADAPTER if node == BRIDGE else node for node in nodes)
 
 
 def arguments_of(node: str, parameters: Mapping[str, str], naming: Naming = PLAIN) -> list[str]:
@@ -77,6 +81,7 @@ def bring_up(
     timeout: float = _READY_TIMEOUT,
     recording: Mapping[str, str] | None = None,
     naming: Naming = PLAIN,
+    plant: Path | None = None,
 ) -> None:
     """Start nodes of a run and wait until each may be relied on.
 
@@ -89,17 +94,21 @@ def bring_up(
         timeout: of wall time until all are connected with each other and with the peers [s].
         recording: more parameters of the recorder, as YAML.
         naming: under which names they meet.
+        plant: file of a plant of the user's own; None: the simulation.
 
     Raises:
         ChildDiedError: one ended; NotReadyError: one was not ready in time.
     """
     if nodes is None:
-        nodes = nodes_of(ResolvedScenario.from_yaml(read_text(scenario), str(scenario)).scenario)
+        resolved = ResolvedScenario.from_yaml(read_text(scenario), str(scenario))
+        nodes = nodes_of(resolved.scenario, simulated=plant is None)
     chosen = [name for module in MODULES for name in nodes if base_of(name) == module]
     for name in chosen:
         given = {"scenario": str(scenario)}
         if name == RECORDER:
             given |= {"output": str(bag), **(recording or {})}
+        if name == ADAPTER:
+            given["plant"] = str(plant)
         given["peers"] = ",".join([*(other for other in chosen if other != name), *peers])
         supervisor.start(name, MODULES[base_of(name)], arguments_of(name, given, naming))
     supervisor.wait_printed(chosen, READY, timeout)

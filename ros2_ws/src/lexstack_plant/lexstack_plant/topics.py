@@ -29,12 +29,18 @@ _TOOLS_RATE = 50.0  # Hz of simulated time
 class PlantTopics:
     """/plant/state at every tick, /clock, and what tools show of each robot."""
 
-    def __init__(self, node: Node, team: Team, rate: float) -> None:
-        """Create the publishers for ticks at ``rate`` [Hz]; publish the robots' descriptions."""
+    def __init__(self, node: Node, team: Team, rate: float, *, tools: bool = True) -> None:
+        """Create the publishers for ticks at ``rate`` [Hz]; publish the robots' descriptions.
+
+        Without ``tools`` there is /plant/state alone: real robots have clock and topics of their
+        own.
+        """
         self._state = PlantState(robots=list(team.names), sender=sender_name(node))
         self._state.header.frame_id = WORLD
-        self._clock = Clock()
         self._state_out = node.create_publisher(PlantState, "plant/state", STREAM)
+        if not tools:
+            return
+        self._clock = Clock()
         self._clock_out = node.create_publisher(Clock, "clock", STREAM)
         self._clock_every = max(1, round(rate / _CLOCK_RATE))
         self._tools_every = max(1, round(rate / _TOOLS_RATE))

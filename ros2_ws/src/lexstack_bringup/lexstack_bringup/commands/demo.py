@@ -8,7 +8,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -28,6 +28,7 @@ from lexstack_bringup.live_page import start_page
 from lexstack_bringup.naming import Naming, add_naming_arguments
 from lexstack_bringup.player import PLAYER, Player
 from lexstack_bringup.processes import PLAIN, bring_up
+from lexstack_bringup.real_plant import RealPlant, real_plant, robots_domain
 from lexstack_bringup.supervisor import Supervisor
 from lexstack_config.available import FOR_OTHERS
 from lexstack_config.checked import checked
@@ -54,13 +55,16 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         options = _parser(config).parse_args(arguments)
         resolved = resolve_scenario(config, options)
+        options.real = real_plant(root, options, resolved)
+        if options.real is not None:
+            resolved = options.real.applied(resolved)
         recording, naming = recorder_parameters(options), Naming.of(options)
         out = run_folder(root, options.out, resolved.scenario.name)
     except ConfigurationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     try:
-        return _run(resolved, out, recording, naming, view=options.view)
+        return _run(resolved, out, recording, naming, view=options.view, real=options.real)
     except LexstackError as error:
         print(f"\nerror: {error}\nlogs: {out / 'logs'}", file=sys.stderr)
         return 1
@@ -79,6 +83,15 @@ def _parser(config: Path) -> argparse.ArgumentParser:
     add_run_arguments(parser, config)
     parser.add_argument(
         "--view", action="store_true", help="serve a page that shows the run, with buttons"
+    )
+    parser.add_argument(
+        "--plant",
+        metavar="FILE",
+        help="robots of your own in place of the simulation: a plant file, or a name in "
+        "config/plants",
+    )
+    parser.add_argument(
+        "--enable", action="store_true", help="with --plant: enable the robots at once; they move"
     )
     add_recording_arguments(parser)
     return parser
@@ -178,11 +191,12 @@ def _run(
     naming: Naming,
     *,
     view: bool,
+    real: RealPlant | None = None,
 ) -> int:
     """Bring up, play, end, analyse; returns the exit code."""
     scenario = resolved.scenario
     (out / "scenario.yaml").write_text(resolved.to_yaml(), encoding="utf-8")
-    with own_domain() as domain:
+    with own_domain() if real is None else nullcontext(robots_domain()) as domain:
         print(
             f"scenario {scenario.name}: {scenario.duration:g} s, {scenario.mode}, "
             f"{scenario.rate:g} Hz, seed {scenario.seed}\n"
@@ -193,7 +207,7 @@ def _run(
         os.environ.update(environment)
         supervisor = Supervisor(out / "logs", environment)
         try:
-            _play(resolved, supervisor, out, recording, naming, view=view)
+            _play(resolved, supervisor, out, recording, naming, view=view, real=real)
         finally:
             # From here on a second Ctrl-C changes nothing: all ends in order.
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -216,22 +230,35 @@ def _play(
     naming: Naming,
     *,
     view: bool,
+    real: RealPlant | None = None,
 ) -> None:
     """Bring up the processes and play the scenario, with a line of progress."""
-    with player_of(resolved, naming) as player:
+    with player_of(resolved, naming, real) as player:
         path, bag = out / "scenario.yaml", out / "bag"
         if view:
             print(f"watch it at {start_page(supervisor, path, naming)}", flush=True)
-        bring_up(supervisor, path, bag, peers=[PLAYER], recording=recording, naming=naming)
+        plant = None if real is None else real.path
+        bring_up(
+            supervisor,
+            path,
+            bag,
+            peers=[PLAYER],
+            recording=recording,
+            naming=naming,
+            plant=plant,
+        )
         play_shown(resolved, player, supervisor)
 
 
 @contextmanager
-def player_of(resolved: ResolvedScenario, naming: Naming = PLAIN) -> Iterator[Player]:
+def player_of(
+    resolved: ResolvedScenario, naming: Naming = PLAIN, real: RealPlant | None = None
+) -> Iterator[Player]:
     """Yield the player of a scenario, a node of this process."""
     rclpy.init(args=["--ros-args", *naming.rules], signal_handler_options=SignalHandlerOptions.NO)
     executor = EventsExecutor()
-    player = Player(resolved, executor)
+    enable = real is None or real.enable
+    player = Player(resolved, executor, simulated=real is None, enable=enable)
     try:
         yield player
     finally:
