@@ -79,9 +79,8 @@ def bring_up(
     *,
     nodes: Sequence[str] | None = None,
     timeout: float = _READY_TIMEOUT,
-    recording: Mapping[str, str] | None = None,
+    more: Mapping[str, Mapping[str, str]] | None = None,
     naming: Naming = PLAIN,
-    plant: Path | None = None,
 ) -> None:
     """Start nodes of a run and wait until each may be relied on.
 
@@ -92,23 +91,22 @@ def bring_up(
         peers: names of the other nodes of the run: users, and what other hosts start.
         nodes: those to start here, as ``nodes_of`` names them, others are left out; None: all.
         timeout: of wall time until all are connected with each other and with the peers [s].
-        recording: more parameters of the recorder, as YAML.
+        more: parameters by node, as YAML, beside those that every run gives. With some for the
+            adapter, which needs the file of a plant, it takes the place of the simulation.
         naming: under which names they meet.
-        plant: file of a plant of the user's own; None: the simulation.
 
     Raises:
         ChildDiedError: one ended; NotReadyError: one was not ready in time.
     """
+    extra = more or {}
     if nodes is None:
         resolved = ResolvedScenario.from_yaml(read_text(scenario), str(scenario))
-        nodes = nodes_of(resolved.scenario, simulated=plant is None)
+        nodes = nodes_of(resolved.scenario, simulated=ADAPTER not in extra)
     chosen = [name for module in MODULES for name in nodes if base_of(name) == module]
     for name in chosen:
-        given = {"scenario": str(scenario)}
+        given = {"scenario": str(scenario), **extra.get(name, {})}
         if name == RECORDER:
-            given |= {"output": str(bag), **(recording or {})}
-        if name == ADAPTER:
-            given["plant"] = str(plant)
+            given["output"] = str(bag)
         given["peers"] = ",".join([*(other for other in chosen if other != name), *peers])
         supervisor.start(name, MODULES[base_of(name)], arguments_of(name, given, naming))
     supervisor.wait_printed(chosen, READY, timeout)

@@ -27,7 +27,7 @@ from lexstack_bringup.domain import own_domain
 from lexstack_bringup.live_page import start_page
 from lexstack_bringup.naming import Naming, add_naming_arguments
 from lexstack_bringup.player import PLAYER, Player
-from lexstack_bringup.processes import PLAIN, bring_up
+from lexstack_bringup.processes import ADAPTER, PLAIN, RECORDER, bring_up
 from lexstack_bringup.real_plant import RealPlant, real_plant, robots_domain
 from lexstack_bringup.supervisor import Supervisor
 from lexstack_config.available import FOR_OTHERS
@@ -237,16 +237,10 @@ def _play(
         path, bag = out / "scenario.yaml", out / "bag"
         if view:
             print(f"watch it at {start_page(supervisor, path, naming)}", flush=True)
-        plant = None if real is None else real.path
-        bring_up(
-            supervisor,
-            path,
-            bag,
-            peers=[PLAYER],
-            recording=recording,
-            naming=naming,
-            plant=plant,
-        )
+        more = {RECORDER: recording}
+        if real is not None:
+            more[ADAPTER] = {"plant": str(real.path)}
+        bring_up(supervisor, path, bag, peers=[PLAYER], more=more, naming=naming)
         play_shown(resolved, player, supervisor)
 
 
