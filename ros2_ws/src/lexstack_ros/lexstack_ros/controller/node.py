@@ -78,7 +78,11 @@ class HqpControllerNode(Node):
         self.create_subscription(JointTrajectory, relative(PLAN), self._on_plan, STREAM)
         self._scenario_out = tell_scenario(self, self._resolved)
         self._requests = Requests(
-            self, self._controller.transition, self._resolved, self._parts.team
+            self,
+            self._controller.transition,
+            self._resolved,
+            self._parts.team,
+            on_stack=self._targets.add_frames,
         )
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_LOOK, self._on_look, clock=wall)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from lexstack.errors import ConfigurationError
 from lexstack.robots import Team
+from lexstack.tasks import StackConfig
 from lexstack.transition import Answer, Transition
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.sent_stacks import SentStacks
@@ -28,10 +31,16 @@ class Requests:
     """
 
     def __init__(
-        self, node: Node, transition: Transition, resolved: ResolvedScenario, team: Team
+        self,
+        node: Node,
+        transition: Transition,
+        resolved: ResolvedScenario,
+        team: Team,
+        on_stack: Callable[[StackConfig], None],
     ) -> None:
-        """Serve requests from now on."""
+        """Serve requests from now on; ``on_stack`` is called with every stack that was sent."""
         self.transition = transition
+        self._on_stack = on_stack
         self._node = node
         self._team = team
         self._sent = SentStacks(team, resolved.stacks, resolved.unfit)
@@ -87,6 +96,7 @@ class Requests:
             return Answer(False, str(error))
         if answer.accepted:
             self._sent.keep(config, request.stack_yaml)
+            self._on_stack(config)
         return answer
 
     def _on_request(self, message: String) -> None:
