@@ -253,6 +253,13 @@ def test_a_frame_that_a_stack_names_has_topics_of_its_own(bench):
     assert bench.topics.refused == 0
 
 
+def test_a_frame_that_a_robot_has_not_has_no_topics(bench):
+    task = TaskConfig("frame_pose", "robot_a", parameters={"frame": "nose"})
+    before = set(bench.node.listeners)
+    bench.topics.add_frames(StackConfig("nose", "", (LevelConfig((task,)),)))
+    assert set(bench.node.listeners) == before
+
+
 def test_every_tool_of_a_robot_has_topics_of_its_own():
     robot = RobotModel("duo", load_robot(CONFIG / "robots/tiago_dual.yaml"))
     assert robot.config.tools

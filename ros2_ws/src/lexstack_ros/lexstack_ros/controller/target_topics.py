@@ -13,7 +13,7 @@ from nav_msgs.msg import Path
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
-from lexstack.errors import InputError
+from lexstack.errors import InputError, ModelError
 from lexstack.references import TOOL, ReferenceSchedule, Target
 from lexstack.robots import Team
 from lexstack.tasks import StackConfig
@@ -99,7 +99,11 @@ class TargetTopics:
             self._add_frame(robot, frame)
 
     def _add_frame(self, robot: int, frame: str) -> None:
-        """Subscribe to the topics of one frame."""
+        """Subscribe to the topics of one frame, if the robot has it."""
+        try:
+            self._team.robots[robot].frame(frame)
+        except ModelError:
+            return  # a stack of other robots
         for kind, entry in OF_FRAMES.items():
             topic = f"/{self._team.names[robot]}/{topic_name(frame)}/{kind}"
             self._subscribe(topic, entry, robot, frame)
