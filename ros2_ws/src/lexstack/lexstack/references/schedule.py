@@ -15,7 +15,7 @@ from lexstack.references.set_point import SetPoint
 from lexstack.references.taking import taken
 from lexstack.references.timeline import ROUNDING, ReferenceTimeline, Setting
 from lexstack.references.twist_stream import Twist
-from lexstack.references.values import TOOL, References, Target, measured
+from lexstack.references.values import TOOL, Hold, References, Target, measured
 from lexstack.robots import Pose, Team
 from lexstack.types import Vector
 
@@ -148,7 +148,7 @@ class ReferenceSchedule:
         if (
             target.robot in self._unicycles
             and path is not None
-            and not isinstance(path, np.ndarray)
+            and not isinstance(path, np.ndarray | Hold)
         ):
             check_along_heading(path, target.at)
         kind = target.kind
