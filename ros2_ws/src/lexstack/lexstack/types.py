@@ -92,11 +92,14 @@ class FrameRows:
     Attributes:
         axes: shape (m, 6): linear, then angular; orthonormal rows.
         jacobian: shape (6, n_robot), at the frame's origin, axes parallel to the world
-            (LOCAL_WORLD_ALIGNED).
+            (LOCAL_WORLD_ALIGNED), of the last robot of the curve.
+        end: None, or that of where the frame belongs on another one, on the first robot of the
+            curve; the rows are then ``scale * axes @ (jacobian - end)``.
     """
 
     axes: Matrix
     jacobian: Matrix
+    end: Matrix | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,10 +13,10 @@ so with a force f and a moment t along the rows, for i <= j,
 
     B_ij = w_i . (f x v_j + (t x w_j) / 2)
 
-two products of small matrices, and no finite differences. The rotation between the tools of two
-robots a and b turns with both of them: with the moment t on b
+two products of small matrices, and no finite differences. The rotation between two frames a and b
+turns with both of them: with the moment t on b
 
-    B_ij = t . (w_i x w_j) / 2          i of a, j of b
+    B_ij = t . (w_i x w_j) / 2          i that moves a, j that moves b
 """
 
 from __future__ import annotations
@@ -50,9 +50,14 @@ def add_curvature(
         return
     if task.frame is not None:
         forces = curve.scale * (weights @ task.frame.axes)
-        (robot,) = curve.robots
-        here, (linear, angular) = places[robot], np.split(task.frame.jacobian, 2)
+        here, (linear, angular) = places[curve.robots[-1]], np.split(task.frame.jacobian, 2)
         into[here, here] += chain_curvature(linear, angular, forces)
+        if task.frame.end is not None:
+            there, (end, turns) = places[curve.robots[0]], np.split(task.frame.end, 2)
+            into[there, there] -= chain_curvature(end, turns, forces)
+            block = turns.T.dot(_cross(0.5 * forces[3:])).dot(angular)
+            into[there, here] -= block
+            into[here, there] -= block.T
         return
     for robot, columns, sign in zip(curve.robots, curve.columns, curve.signs, strict=False):
         forces = np.zeros(6)

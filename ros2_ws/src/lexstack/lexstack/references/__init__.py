@@ -13,6 +13,7 @@ from lexstack import on_demand
 if TYPE_CHECKING:
     from lexstack.references.encoding import WIDTHS, decode, encode
     from lexstack.references.fading import Fading
+    from lexstack.references.point_to_point import PointToPoint
     from lexstack.references.schedule import ReferenceSchedule
     from lexstack.references.set_point import Led, SetPoint
     from lexstack.references.spaces import BASES, JOINTS, POSES
@@ -35,6 +36,7 @@ else:
         {
             "encoding": "WIDTHS decode encode",
             "fading": "Fading",
+            "point_to_point": "PointToPoint",
             "schedule": "ReferenceSchedule",
             "set_point": "Led SetPoint",
             "spaces": "BASES JOINTS POSES",
@@ -58,6 +60,7 @@ __all__ = [
     "Led",
     "Motion",
     "MotionLimits",
+    "PointToPoint",
     "ReferenceSchedule",
     "ReferenceTimeline",
     "References",

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from lexstack.robots.collision_geometry import Spheres
     from lexstack.robots.description import description_path, is_text, located, urdf_text
     from lexstack.robots.from_urdf import mobile_manipulator, robot_from_urdf
+    from lexstack.robots.ik import inverse_kinematics
     from lexstack.robots.kinematics import Kinematics, Pose
     from lexstack.robots.obstacles import Obstacles
     from lexstack.robots.options import (
@@ -34,6 +35,7 @@ else:
             "collision_geometry": "Spheres",
             "description": "description_path is_text located urdf_text",
             "from_urdf": "mobile_manipulator robot_from_urdf",
+            "ik": "inverse_kinematics",
             "kinematics": "Kinematics Pose",
             "obstacles": "Obstacles",
             "options": "ArmConfig BaseConfig FrameConfig ObstacleConfig "
@@ -69,6 +71,7 @@ __all__ = [
     "description_path",
     "from_quaternion",
     "from_rpy",
+    "inverse_kinematics",
     "is_text",
     "located",
     "log3",
