@@ -26,7 +26,7 @@ from functools import lru_cache
 import numpy as np
 
 from lexstack.robots import Kinematics
-from lexstack.types import LinearTask, Matrix, Vector
+from lexstack.types import FrameRows, LinearTask, Matrix, Vector
 
 
 def add_curvature(
@@ -49,15 +49,7 @@ def add_curvature(
     if curve is None:
         return
     if task.frame is not None:
-        forces = curve.scale * (weights @ task.frame.axes)
-        here, (linear, angular) = places[curve.robots[-1]], np.split(task.frame.jacobian, 2)
-        into[here, here] += chain_curvature(linear, angular, forces)
-        if task.frame.end is not None:
-            there, (end, turns) = places[curve.robots[0]], np.split(task.frame.end, 2)
-            into[there, there] -= chain_curvature(end, turns, forces)
-            block = turns.T.dot(_cross(0.5 * forces[3:])).dot(angular)
-            into[there, here] -= block
-            into[here, there] -= block.T
+        _add_frame(into, task.frame, curve.scale * weights, [places[i] for i in curve.robots])
         return
     for robot, columns, sign in zip(curve.robots, curve.columns, curve.signs, strict=False):
         forces = np.zeros(6)
@@ -74,17 +66,51 @@ def add_curvature(
         into[places[other], places[one]] -= block.T
 
 
-def chain_curvature(linear: Matrix, axes: Matrix, forces: Vector) -> Matrix:
+def _add_frame(into: Matrix, frame: FrameRows, weights: Vector, places: list[slice]) -> None:
+    """Add B of rows that say how they come from a frame, in place.
+
+    Args:
+        into: as in ``add_curvature``.
+        frame: the rows.
+        weights: of them, times the scale, shape (m,).
+        places: of the joints of the curve's robots.
+    """
+    forces, here = weights @ frame.axes, places[-1]
+    linear, angular = np.split(frame.jacobian, 2)
+    if frame.tree is not None:
+        bent = chain_curvature(linear, angular, forces, frame.tree.carries)
+        follows = frame.tree.follows
+        into[here, here] += bent if follows is None else follows.T @ bent @ follows
+        return
+    into[here, here] += chain_curvature(linear, angular, forces)
+    if frame.turning is not None:
+        quadratic = np.tensordot(weights, frame.turning, 1)
+        into[here, here] += frame.jacobian.T @ quadratic @ frame.jacobian
+    if frame.end is not None:
+        there, (end, turns) = places[0], np.split(frame.end, 2)
+        into[there, there] -= chain_curvature(end, turns, forces)
+        block = turns.T.dot(_cross(0.5 * forces[3:])).dot(angular)
+        into[there, here] -= block
+        into[here, there] -= block.T
+
+
+def chain_curvature(
+    linear: Matrix, axes: Matrix, forces: Vector, carries: Matrix | None = None
+) -> Matrix:
     """Return B of one chain, symmetric, shape (n, n).
 
     Args:
         linear: the frame's linear columns v, shape (3, n), in the order of the chain.
         axes: its angular columns w, shape (3, n).
         forces: f and t, shape (6,), along the rows of the frame's Jacobian.
+        carries: of a tree of joints, see ``Tree``; None: they are a chain, or what is not on it has
+            no columns.
     """
     turned = _cross(forces[:3]).dot(linear)
     turned += (0.5 * _cross(forces[3:])).dot(axes)
     products: Matrix = axes.T.dot(turned)
+    if carries is not None:
+        products *= carries
     upper, strictly = _triangles(len(products))
     result: Matrix = products * upper
     result += (products * strictly).T

@@ -4,8 +4,8 @@ With a the axis in the world, d the direction, and the error that turns a into d
 
     e = angle(a, d) (a x d) / |a x d|        B (J_w chi) -> B sat(gain e)
 
-with B two directions across a, shape (2, 3). pink and mink have no such task; placo:
-``AxisAlignTask``.
+with B two directions across a, shape (2, 3). mink and placo: ``AxisAlignTask``; pink has no such
+task.
 """
 
 from __future__ import annotations

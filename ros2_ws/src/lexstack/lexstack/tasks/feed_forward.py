@@ -13,19 +13,29 @@ from __future__ import annotations
 
 import numpy as np
 
+from lexstack.references import TOOL
+from lexstack.robots import Kinematics, Team
 from lexstack.types import Matrix, Vector
 
 
-def feed_forward(twist: Vector, jacobian: Matrix, command: Vector, dt: float) -> Vector:
+def feed_forward(
+    twist: Vector, kinematics: Kinematics, team: Team, robot: int, frame: str = TOOL
+) -> Vector:
     """Return what a frame is asked to move with, besides its correction, shape (6,).
 
     Args:
         twist: of the reference, in the middle of the coming period, shape (6,), world frame.
-        jacobian: of the frame, shape (6, n_robot), LOCAL_WORLD_ALIGNED.
-        command: the robot's joint velocities of the tick before, shape (n_robot,).
-        dt: control period [s].
+        kinematics: of this tick.
+        team: the robots; it knows the control period.
+        robot: the place of the frame's robot.
+        frame: its name.
     """
-    return np.asarray(twist - 0.5 * dt * drift(jacobian, command))
+    model, part = team.robots[robot], team.slices[robot]
+    jacobian, velocity = kinematics.frame(robot, frame)[1], kinematics.state.command[part]
+    if model.map is not None:  # a joint that mimics turns the frame by itself
+        jacobian = model.all_joints(kinematics.state.q[team.q_slices[robot]], frame)
+        velocity = model.map.matrix @ velocity
+    return np.asarray(twist - 0.5 * team.dt * drift(jacobian, velocity))
 
 
 def drift(jacobian: Matrix, velocity: Vector) -> Vector:

@@ -96,7 +96,7 @@ class FrameTask:
         self._robot = robot
         self._columns = team.slices[robot]
         self._n = team.n
-        self._dt = team.dt
+        self._team = team
         self._choice = choice
         check_frame(team, robot, choice.frame, f"{where}: frame")
         if choice.axes not in (WORLD, LOCAL):
@@ -121,8 +121,7 @@ class FrameTask:
         error = np.zeros(6) if goal is None else pose_error(pose, goal)
         feed = references.twist(self._robot, choice.frame)
         if feed is not None:
-            command = kinematics.state.command[self._columns]
-            feed = feed_forward(feed, jacobian, command, self._dt)
+            feed = feed_forward(feed, kinematics, self._team, self._robot, choice.frame)
         matrix = np.zeros((len(choice.rows), self._n))
         if choice.plain:
             m = len(choice.rows)
