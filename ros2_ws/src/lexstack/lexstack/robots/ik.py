@@ -14,7 +14,7 @@ from lexstack.limits.travel import travel_time
 from lexstack.robots.kinematics import Pose
 from lexstack.robots.robot import RobotModel
 from lexstack.robots.spatial import log3
-from lexstack.types import Vector
+from lexstack.types import Matrix, Vector
 
 _STEPS = 60  # of one start
 _LONGEST = 0.5  # rad or m, of a joint in one step
@@ -75,7 +75,7 @@ def _anywhere(robot: RobotModel, start: Vector, rng: np.random.Generator) -> Vec
     return np.asarray(rng.uniform(np.minimum(lower, upper), np.maximum(lower, upper)))
 
 
-def _error(robot: RobotModel, place: int, pose: Pose, q: Vector) -> tuple[Vector, Vector]:
+def _error(robot: RobotModel, place: int, pose: Pose, q: Vector) -> tuple[Vector, Matrix]:
     """Return the error of a frame, shape (6,), and its Jacobian on the arm, shape (6, n_arm)."""
     actual, jacobian = robot.at(q, place)
     turn = actual.rotation @ log3(actual.rotation.T @ pose.rotation)
