@@ -7,14 +7,14 @@ postures, and objects that two tools hold have figures of their own.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.hqp.group_level import GroupLevel
 from lexstack.robots import Team
-from lexstack.types import LinearTask, Vector
+from lexstack.types import Curve, LinearTask, Vector
 from lexstack_bag.figures.levels import linear_levels, stack_of
 from lexstack_bag.figures.phases import (
     BASE_TASKS,
@@ -29,6 +29,7 @@ from lexstack_bag.figures.series import TimeSeries, finite
 from lexstack_bag.run.run import Run
 
 _OWN = EE_TASKS | BASE_TASKS | POSTURE_TASKS
+_FULL = 1e-6  # squared, of a shortened error that is no longer told from the limit
 _LINEAR = 3  # rows of a tool's Jacobian, before the angular ones
 
 Ticks = NDArray[np.bool_]
@@ -76,7 +77,7 @@ def errors_of(run: Run, team: Team, time_series: TimeSeries, phase: Phase, ticks
             for task in level:
                 if task.name not in names or task.curve is None:
                     continue
-                error, linear = _error(task), _linear_rows(task)
+                error, linear = _error(task, task.curve), _linear_rows(task)
                 there[task.name] = [bool(linear.any()), not linear.all()]
                 empty = np.full(len(ticks), np.nan), np.full(len(ticks), np.nan)
                 both = found.setdefault(task.name, empty)
@@ -107,13 +108,16 @@ def _value(take: object, errors: Vector | None, ticks: Ticks) -> float | None:
     return finite(take(errors[ticks]))
 
 
-def _error(task: LinearTask) -> Vector:
+def _error(task: LinearTask, curve: Curve) -> Vector:
     """Return e of a task's rows, without weight and saturation, shape (m,)."""
-    curve = task.curve
-    assert curve is not None
-    error = task.correction / curve.gain
-    level = GroupLevel((task,), task.matrix, error, curve.scale, True, False, (0,))
-    return level.unsaturated() / curve.scale
+    error = task.correction / (curve.gain * curve.scale)
+    first = 0
+    for size, limit in zip(curve.sizes or (3,) * len(curve.limits), curve.limits, strict=True):
+        here = slice(first, first + size)
+        part = error[here] * (curve.gain / limit)
+        error[here] /= math.sqrt(max(_FULL, 1.0 - float(part @ part)))
+        first += size
+    return error
 
 
 def _linear_rows(task: LinearTask) -> Ticks:
