@@ -13,6 +13,7 @@ from lexstack.robots import RobotModel, Team
 from lexstack.types import PlantStatus
 from lexstack_config.parts import build_references, build_team, home_of
 from lexstack_ros.view.orders import BaseTarget, Cancel, Known, Pause, Switch, ToolTarget
+from lexstack_ros.view.page import targets
 from lexstack_ros.view.page.live import LivePage
 from lexstack_ros.view.picture import Picture
 from support.browser import Browser
@@ -208,7 +209,28 @@ def test_hostile_names_are_shown_and_run_nothing():
         page.close()
 
 
-def test_any_number_of_any_robots(tmp_path):
+def test_a_gizmo_stays_in_the_hand_but_not_for_ever(monkeypatch):
+    """A page that is closed in the middle of a drag does not say that it lets go."""
+    page = LivePage("drag", team(), home(), Known(team().names, STACKS), lambda _: None)
+    try:
+        now = [1000.0]
+        monkeypatch.setattr(targets.time, "monotonic", lambda: now[0])
+        page._targets.show(picture().goals)
+        grip = page._targets._grips[0]
+        goal = grip.handle.position
+        page._targets._moved(grip, "start")
+        grip.handle.position = (9.0, 9.0, 9.0)
+        now[0] += 20.0
+        page._targets.show(picture().goals)
+        assert np.allclose(grip.handle.position, 9.0)
+        now[0] += 20.0
+        page._targets.show(picture().goals)
+        assert np.allclose(grip.handle.position, goal)
+    finally:
+        page.close()
+
+
+def test_any_number_of_any_robots():
     robots = (*(RobotModel(f"r{i}", resolved().robots["panda_summit"]) for i in range(3)),)
     group = Team(robots, 0.01)
     page = LivePage("three", group, group.home(), Known(group.names, STACKS), lambda _: None)

@@ -18,6 +18,7 @@ from lexstack_ros.view.page.scene import color_of, wxyz
 _TOOL, _BASE = 0.28, 0.5  # m, length of the gizmos' arrows
 _STREAM = 0.05  # s of wall time between two targets of one drag
 _PATIENCE = 1.5  # s of wall time for a goal to come into effect, before a gizmo goes back to it
+_HELD = 30.0  # s of wall time after which a hand that has not moved counts as gone with its page
 _LEAST = 1e-9
 
 
@@ -112,7 +113,7 @@ class Targets:
     def _moved(self, grip: _Grip, phase: str) -> None:
         """Take a step of a drag: ``start``, ``update`` or ``end``."""
         now = time.monotonic()
-        grip.busy_until = now + (_PATIENCE if phase == "end" else np.inf)
+        grip.busy_until = now + (_PATIENCE if phase == "end" else _HELD)
         follows = self.streams and phase == "update" and now - grip.sent >= _STREAM
         if phase != "end" and not follows:
             return
