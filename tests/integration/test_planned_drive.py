@@ -80,3 +80,24 @@ def test_a_robot_with_two_arms_hands_over_on_its_way(name):
     assert progress.sequence.done
     assert max(nearest.values()) < 0.02
     assert np.hypot(*state.q[:2]) < 0.01
+
+
+def test_arm_and_base_work_apart_on_a_differential_base():
+    robot = lexstack.RobotModel("robot", load_robot(CONFIG / "robots/tiago.yaml"))
+    team = lexstack.Team((robot,), dt=0.05)
+    state = team.at_rest(team.home())
+    home = robot.tool(state.q)[0].position
+    tasks = (
+        lexstack.SequenceTask("park", "base_pose", ((0.5, 0.6, 0.4),), 0.5, 0.8, tolerance=0.01),
+        lexstack.SequenceTask("lift", "ee_position", ((1.0, 0.75, home[2] + 0.1),)),
+    )
+    runner = lexstack.SequenceRunner(team, 0, lexstack.DEFAULT_HTMPC)
+    runner.begin(tasks, lexstack.ST_ARCH, state)
+    while not (progress := runner.step(state)).sequence.done and state.stamp < 20.0:
+        resting = slice(2, None) if progress.sequence.first == 0 else slice(0, 2)
+        if progress.sequence.first == 0 or np.abs(state.v[:2]).max() < 1e-9:
+            np.testing.assert_allclose(progress.plan.v[:, resting], 0.0, atol=1e-9)
+        q, v, _ = progress.plan.sample(state.stamp + team.dt)
+        tick = state.tick + 1
+        state = lexstack.RobotState(tick, tick * team.dt, q, v, q, v)
+    assert progress.sequence.done

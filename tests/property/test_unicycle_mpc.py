@@ -16,6 +16,7 @@ from lexstack.mpc import (
     Start,
     Task,
 )
+from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
 from lexstack.mpc.unicycle_horizon import UnicycleHorizon, driven
 from lexstack.mpc.unicycle_lead import UnicycleLead
 from lexstack_experiments.baselines.htmpc_casadi import stepped
@@ -289,3 +290,18 @@ def test_both_levels_come_near_the_optimum_of_ipopt():
         gaps.append((ours - best[1].total) / (begun - best[1].total))
     assert max(firsts) < 1e-8
     assert max(gaps) < 0.03
+
+
+@pytest.mark.parametrize("kind", ["axis", "stage", "sum"])
+def test_the_yaw_that_only_guides_a_position_binds_no_level_below(kind):
+    model = robot()
+    own = replace(DEFAULT_HTMPC, lexicographic=kind, second_order_correction=kind == "axis")
+    q = model.home((*POSE[:2], POSE[2] - 1.0))
+    lead = UnicycleLead(model, own.step)
+    objective = Objective("there", "base_position", np.tile(POSE[:2], (N, 1)))
+    task = Task(objective, own, model, lead, (q, np.zeros(model.n)))
+    constraint = LexicographicConstraint(0, task, np.zeros((N, 3)), kind)
+    turned = np.tile([0.0, 0.0, 2.0], (N, 1))
+    assert constraint.excess(turned)[0] <= 0.0
+    aside = np.tile([0.0, 0.1, 0.0], (N, 1))
+    assert constraint.excess(aside)[0] > 0.0

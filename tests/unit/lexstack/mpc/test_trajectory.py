@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from lexstack.errors import InputError
-from lexstack.mpc import Trajectory, base_path, ee_path, hold, steps
+from lexstack.mpc import (
+    Trajectory,
+    base_path,
+    drive_path,
+    ee_path,
+    hold,
+    joint_path,
+    orientation_path,
+    steps,
+)
 from lexstack.robots import to_quaternion
 from lexstack.robots.spatial import from_quaternions, log3_all
 
@@ -121,3 +130,50 @@ def test_a_trajectory_is_a_value():
 def test_what_is_no_trajectory_is_refused(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+def test_a_differential_base_turns_drives_and_turns():
+    path = drive_path(1.0, np.zeros(3), np.array([[0.0, 1.0, np.pi]]), 0.5, 1.0)
+    np.testing.assert_allclose(path.times, [1.0, 1.0 + np.pi / 2, 3.0 + np.pi / 2, 3.0 + np.pi])
+    wanted = [[0, 0, 0], [0, 0, np.pi / 2], [0, 1, np.pi / 2], [0, 1, np.pi]]
+    np.testing.assert_allclose(path.values, wanted, atol=1e-12)
+
+
+def test_it_drives_backwards_to_what_is_behind_it():
+    path = drive_path(0.0, np.zeros(3), np.array([[-1.0, 0.0, 0.0]]), 0.5, 1.0)
+    np.testing.assert_allclose(path.values[:, 2], 0.0, atol=1e-12)
+    assert path.end == pytest.approx(2.0)
+
+
+def test_positions_have_no_yaw_at_their_end_and_one_that_is_reached_takes_no_time():
+    path = drive_path(0.0, np.zeros(3), np.array([[0.0, 1.0], [1.0, 1.0]]), 0.5, 1.0)
+    assert path.values.shape[1] == 2
+    assert path.end == pytest.approx(4.0 + np.pi)
+    here = drive_path(2.0, np.zeros(3), np.zeros((1, 2)), 0.5, 1.0)
+    assert here.end == 2.0
+    np.testing.assert_array_equal(here.goal, np.zeros(2))
+
+
+def test_joints_arrive_together_and_no_one_is_too_fast():
+    points = np.array([[0.0, 0.0], [0.2, 0.3], [0.2, -0.3]])
+    path = joint_path(0.0, points, np.array([True, False]), 0.1, 0.2)
+    np.testing.assert_allclose(path.times, [0.0, 2.0, 5.0])
+    np.testing.assert_allclose(path.at(np.array([1.0]))[0], [0.1, 0.15])
+
+
+def test_seven_joints_are_no_pose_and_four_no_orientation():
+    for count in (7, 4):
+        points = np.zeros((2, count))
+        points[1] = 1.0
+        path = joint_path(0.0, points, np.zeros(count, dtype=bool), 1.0, 1.0)
+        np.testing.assert_allclose(path.at(np.array([0.5]))[0], 0.5)
+        assert hold(points[1], joints=True).at(np.array([0.0]))[0].tolist() == [1.0] * count
+
+
+def test_an_orientation_turns_about_one_axis_at_its_speed():
+    points = np.array([turned(0.0)[3:], turned(1.0, sign=-1.0)[3:]])
+    path = orientation_path(0.0, points, 0.5)
+    angle = 2.0 * np.arccos(abs(points[0] @ points[1]))
+    assert path.end == pytest.approx(angle / 0.5)
+    half = path.at(np.array([0.5 * path.end]))[0]
+    assert 2.0 * np.arccos(abs(half @ path.values[0])) == pytest.approx(0.5 * angle)

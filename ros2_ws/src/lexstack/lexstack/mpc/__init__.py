@@ -34,7 +34,16 @@ if TYPE_CHECKING:
     )
     from lexstack.mpc.sequence.sequence import HT_ARCH, ST_ARCH, Architecture, Sequence, check_tasks
     from lexstack.mpc.sequence.task import SequenceTask
-    from lexstack.mpc.sequence.trajectory import Trajectory, base_path, ee_path, hold, steps
+    from lexstack.mpc.sequence.trajectory import (
+        Trajectory,
+        base_path,
+        drive_path,
+        ee_path,
+        hold,
+        joint_path,
+        orientation_path,
+        steps,
+    )
     from lexstack.mpc.stage_kinematics import StageModel
     from lexstack.mpc.status import LevelStatus, Outcome
     from lexstack.mpc.symbolic import stage_function
@@ -57,7 +66,8 @@ else:
             "sequence.runner": "ARCHITECTURES Change Progress SequenceRunner plans_of tasks_of",
             "sequence.sequence": "HT_ARCH ST_ARCH Architecture Sequence check_tasks",
             "sequence.task": "SequenceTask",
-            "sequence.trajectory": "Trajectory base_path ee_path hold steps",
+            "sequence.trajectory": "Trajectory base_path drive_path ee_path hold joint_path "
+            "orientation_path steps",
             "stage_kinematics": "StageModel",
             "status": "LevelStatus Outcome",
             "symbolic": "stage_function",
@@ -103,9 +113,12 @@ __all__ = [
     "Trajectory",
     "base_path",
     "check_tasks",
+    "drive_path",
     "ee_path",
     "hold",
+    "joint_path",
     "measure_of",
+    "orientation_path",
     "plans_of",
     "stage_function",
     "steps",

@@ -54,7 +54,7 @@ class LexicographicConstraint:
             return error.reshape(-1)
         if self._kind == "stage":
             return self.task.stage_costs(error)
-        return np.array([self.task.cost(error)])
+        return np.array([self.task.bound_cost(error)])
 
     def rows(self, at: StageKinematics, error: Matrix, sensitivity: Sensitivity) -> Matrix:
         """Return dh/du, shape (r, N n)."""
@@ -65,7 +65,7 @@ class LexicographicConstraint:
         jacobian = self.task.jacobian(at)
         if self._kind == "axis":
             return sensitivity.rows(jacobian)
-        weighted = self.task.weights * error
+        weighted = self.task.binding * error
         slopes = (weighted[:, None] @ jacobian)[:, 0]
         if self._kind == "stage":
             return sensitivity.rows(slopes[:, None])

@@ -51,6 +51,7 @@ class Task:
     Attributes:
         objective: what it was made from.
         weights: Q at the states 1 to N - 1 and P at N, on the diagonal, shape (N, s).
+        binding: weights of the rows that bind levels below, 0 for others, shape (N, s).
         tolerance: delta of H(13) per row, shape (s,), m and rad; inf: the row binds no level below.
         moving: 1 where the level may use a joint, else 0, shape (n,); None: everywhere 1.
         frame: which the kinematics must have; empty: none.
@@ -96,6 +97,8 @@ class Task:
         lengths = measure.lengths
         self.tolerance: Vector = np.where(lengths, weights.tolerance, weights.tolerance_angle)
         self.tolerance[expected[1] :] = np.inf  # rows that only guide
+        guides = np.isinf(self.tolerance)
+        self.binding = np.where(guides, 0.0, self.weights) if guides.any() else self.weights
         self.moving = _moving(objective.moves, robot)
 
     def error(self, at: StageKinematics) -> Matrix:
@@ -126,9 +129,13 @@ class Task:
         """Return J of H(8) for an error of shape (N, s)."""
         return 0.5 * float(np.vdot(self.weights * error, error))
 
+    def bound_cost(self, error: Matrix) -> float:
+        """Return J of H(8) of the rows that bind levels below, for an error of shape (N, s)."""
+        return 0.5 * float(np.vdot(self.binding * error, error))
+
     def stage_costs(self, error: Matrix) -> Vector:
-        """Return the part of each state in J, shape (N,)."""
-        return np.asarray(0.5 * np.einsum("ks,ks->k", self.weights * error, error))
+        """Return the part of each state in ``bound_cost``, shape (N,)."""
+        return np.asarray(0.5 * np.einsum("ks,ks->k", self.binding * error, error))
 
     @property
     def stage_tolerance(self) -> Vector:
