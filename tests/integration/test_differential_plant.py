@@ -75,7 +75,9 @@ def arc_of(pose, chi):
 def test_it_parks_in_the_simulation_and_switches_on_the_way(parts):
     resolved, made, plant = parts
     controller = build_controller(resolved, made)
-    run = lexstack.control.Lockstep(made.team, controller, build_stack_solver(resolved, made), plant)
+    run = lexstack.control.Lockstep(
+        made.team, controller, build_stack_solver(resolved, made), plant
+    )
     there = made.team.home({"left": (-0.6, 0.9, 1.2), "right": (0.3, -3.2, 0.5)})
     for robot, tool in enumerate(made.team.tools(there)):  # where the arms can have them then
         controller.references.add(lexstack.Target(at=0.0, robot=robot, ee=tool))
