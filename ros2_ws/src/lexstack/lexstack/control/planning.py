@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -120,7 +121,7 @@ class Htmpc:
     def solve(
         self,
         start: Configuration | Start,
-        objectives: list[Track | Objective] | tuple[Track | Objective, ...],
+        objectives: Sequence[Track | Objective],
         before: Plan | None = None,
         around: CollisionScene | None = None,
     ) -> Plan:

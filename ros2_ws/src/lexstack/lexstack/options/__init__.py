@@ -5,9 +5,6 @@ What concerns several fields, a dataclass checks in ``validate(where)``. ``build
 from mappings, lists, texts and numbers, and says in every error where it stood.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
 from lexstack.options.build import OLD_NAMES, build, hints
 from lexstack.options.registry import register, unknown
 from lexstack.options.rules import (
@@ -24,15 +21,6 @@ from lexstack.options.rules import (
     shown,
 )
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Numbers = Sequence[float] | NDArray[np.float64]
-else:
-    Numbers = tuple[Finite, ...]
-"""Finite numbers: a list in files; programs may give an array, which becomes a tuple."""
-
 __all__ = [
     "OLD_NAMES",
     "Finite",
@@ -40,7 +28,6 @@ __all__ = [
     "Name",
     "NotEmpty",
     "NotNegative",
-    "Numbers",
     "Pattern",
     "Positive",
     "Range",

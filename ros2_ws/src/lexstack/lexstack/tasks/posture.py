@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from lexstack.errors import ConfigurationError
-from lexstack.options import Numbers, Positive, build, same_length, shown
+from lexstack.options import Finite, Positive, build, same_length, shown
 from lexstack.references import References
 from lexstack.robots import Kinematics, RobotModel, Team
 from lexstack.types import Curve, LinearTask, Vector
@@ -25,7 +25,7 @@ class PostureParameters:
     """Parameters of the task ``posture``."""
 
     # rad; None: the robot's own posture; mid_range: (q_max + q_min) / 2, as in T
-    target: Literal["mid_range"] | Numbers | None = None
+    target: Literal["mid_range"] | tuple[Finite, ...] | None = None
     gain: Positive = 1.0  # lambda [1/s]
     joints: tuple[str, ...] = ()  # names of the arm's joints that have a row; empty: all
     weights: tuple[Positive, ...] = ()  # of the squared residual of each row; empty: all 1
@@ -100,5 +100,5 @@ def posture_target(model: RobotModel, parameters: PostureParameters, where: str)
         return model.posture
     if parameters.target == "mid_range":
         return model.mid_range
-    same_length(where, len(model.mid_range), target=tuple(parameters.target))
+    same_length(where, len(model.mid_range), target=parameters.target)
     return np.array(parameters.target)

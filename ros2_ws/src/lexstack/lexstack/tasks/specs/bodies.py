@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from lexstack.tasks.relative_pose import RelativePoseParameters
 from lexstack.tasks.specs.goals import VectorGoal, is_motion, numbers
 from lexstack.tasks.specs.spec import Targeted, TaskSpec
 from lexstack.tasks.velocity_damping import VelocityDampingParameters
+from lexstack.types import Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,9 @@ class Posture(Targeted[VectorGoal], TaskSpec, PostureParameters):
     """
 
     kind = "posture"
+
+    # As in a file; a program may give an array too, of which a tuple is kept.
+    target: Literal["mid_range"] | tuple[float, ...] | Vector | None = None  # type: ignore[assignment]
 
     def _checked(self, target: Any) -> Any:
         if is_motion(target):
