@@ -12,6 +12,7 @@ from lexstack.robots import RobotFile
 from lexstack.tasks import StackConfig
 from lexstack_bringup.hosts import HostsConfig
 from lexstack_config.json_schema import json_schema
+from lexstack_config.plant_file import PlantFile
 from lexstack_config.scenario import ScenarioConfig
 from lexstack_experiments.baselines.htidkc import HtidkcConfig
 
@@ -23,6 +24,7 @@ KINDS = {
     "htmpc": HtmpcConfig,
     "htmpc/baselines": HtidkcConfig,
     "hosts": HostsConfig,
+    "plants": PlantFile,
 }
 """What the YAML files of each folder of the configuration become."""
 

@@ -98,7 +98,13 @@ class Setup:
             colcon = (self._python, "-m", "colcon", "--log-base", ROOT / "build/log", "build")
             cmake = ("-DBUILD_TESTING=OFF", f"-DPython3_EXECUTABLE={self._python}", "-Wno-dev")
             show = ("--event-handlers", "console_direct+")
-            steps.run(*colcon, "--symlink-install", *show, "--cmake-args", *cmake, cwd=workspace)
+            own = ros.brought_along(self._ros)
+            skip = ("--packages-skip", *own) if own else ()
+            steps.run(
+                *colcon, "--symlink-install", *skip, *show, "--cmake-args", *cmake, cwd=workspace
+            )
+            library = workspace / "src/lexstack"
+            steps.run(self._python, "-m", "lexstack.hqp.kernel", cwd=library)
             script = environment.shell_script(ROOT, self._ros, f"python{VERSION}")
             (self._venv / "environment.sh").write_text(script)
         self._workspace.write()

@@ -23,13 +23,13 @@ def packages() -> list[Path]:
 
 
 def pip_requirements(package: Path) -> tuple[list[str], list[str]]:
-    """Return what ``setup.py`` requires, and what it requires for its extras."""
+    """Return what ``setup.py`` requires, and what for its extras, but for tests."""
     for node in ast.walk(ast.parse((package / "setup.py").read_text(encoding="utf-8"))):
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "setup":
             given = {entry.arg: entry.value for entry in node.keywords}
             plain = ast.literal_eval(given.get("install_requires", ast.List([])))
             extras = ast.literal_eval(given.get("extras_require", ast.Dict([], [])))
-            return plain, [line for lines in extras.values() for line in lines]
+            return plain, [line for key, lines in extras.items() if key != "test" for line in lines]
     raise ValueError(f"{package / 'setup.py'}: no call of setup")
 
 
@@ -50,12 +50,13 @@ def declared(package: Path) -> list[str]:
 
 def check(package: Path) -> str:
     """Return what deptry says against a package; empty: nothing."""
+    sources = [each for each in (package / package.name, package / "launch") if each.exists()]
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
         file.write("\n".join(declared(package)))
         file.flush()
         done = subprocess.run(
             [
-                *(sys.executable, "-m", "deptry", package / package.name),
+                *(sys.executable, "-m", "deptry", *sources),
                 *("--config", ROOT / "pyproject.toml", "--requirements-files", file.name),
                 *("--known-first-party", package.name, "--no-ansi"),
             ],

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 from PIL import Image
@@ -62,10 +63,12 @@ def live() -> None:
         )
         try:
             url = next(found[0] for line in run.stdout if (found := re.search(r"http://\S+", line)))
-            with Browser((1320, 1240)) as page:
+            with Browser((1500, 950)) as page:
                 page.open(url)
-                page.wait("window.LexstackLive?.news()?.phase === 'blending'", 90)
-                page.wait("document.querySelectorAll('#strips .scatterlayer .trace').length >= 3")
+                page.wait("document.body.textContent.includes('blending')", 90)
+                page.wait("document.querySelectorAll('.uplot canvas').length >= 3")
+                page.run("document.querySelector('.mantine-Notification-closeButton')?.click()")
+                time.sleep(1.0)
                 save(IMAGES / "live.png", page.picture())
         finally:
             run.send_signal(signal.SIGINT)

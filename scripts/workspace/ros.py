@@ -12,6 +12,9 @@ from workspace.errors import SetupError
 
 Version = tuple[int, int]
 
+STANDINS = ("tf2_msgs",)
+"""Packages of ROS in the workspace, as there are no wheels of them."""
+
 SUPPORTED: tuple[Version, ...] = ((3, 11), (3, 12), (3, 13))
 
 
@@ -51,6 +54,13 @@ def find_ros(environ: Mapping[str, str]) -> Ros:
         "ROS_DISTRO is jazzy, but no rclpy for Python 3.11 to 3.13 is on AMENT_PREFIX_PATH: "
         "source the setup.bash of Jazzy, or unset ROS_DISTRO to take ROS from wheels"
     )
+
+
+def brought_along(ros: Ros) -> tuple[str, ...]:
+    """Return the workspace's packages that a native ROS has itself: they are not built then."""
+    if ros.prefix is None:
+        return ()
+    return tuple(name for name in STANDINS if (ros.prefix / "share" / name).is_dir())
 
 
 def python_version(name: str) -> Version:

@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 import pinocchio as pin
 
 from lexstack.robots import BASE_JOINTS, RobotModel, Team, along_axes
 from lexstack.types import Vector
+
+
+class TorqueLoop(Protocol):
+    """What controls the actuators of a plant; ``ImpedanceLoop`` says what its methods take."""
+
+    def reset(self, q: Vector) -> None:
+        """Start at rest at q, shape (n,)."""
+        ...
+
+    def update(self, q: Vector, v: Vector, q_star: Vector, v_star: Vector) -> None:
+        """Write the control of the next period; all arguments have shape (n,)."""
+        ...
 
 
 class ImpedanceLoop:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
 
+from lexstack.control.command_in_force import CommandRules
 from lexstack.errors import ConfigurationError, InputError
 from lexstack.robots import Team
 from lexstack.types import RobotState, Vector
@@ -16,7 +18,7 @@ from lexstack_config.resolved import ResolvedScenario
 from lexstack_sim.contacts import touching
 from lexstack_sim.coordinates import Coordinates
 from lexstack_sim.driving import Driving
-from lexstack_sim.impedance import ImpedanceLoop, per_joint
+from lexstack_sim.impedance import ImpedanceLoop, TorqueLoop, per_joint
 from lexstack_sim.notes import notes
 from lexstack_sim.payload_friction import add_payload_friction
 from lexstack_sim.plant_state import Counters, PlantError, PlantState, Snapshot, Status
@@ -30,7 +32,6 @@ _DIVERGED = (
     mujoco.mjtWarning.mjWARN_BADQVEL,
     mujoco.mjtWarning.mjWARN_BADQACC,
 )
-_TOLERANCE = 1e-9  # relative; a command on its limit is within it
 
 
 class Plant:
@@ -51,6 +52,7 @@ class Plant:
         team: Team,
         seed: int = 0,
         start: Vector | None = None,
+        loop: Callable[[Team, float, Vector], TorqueLoop] = ImpedanceLoop,
     ) -> None:
         """Build the world of a scenario and put the robots where they start.
 
@@ -58,7 +60,8 @@ class Plant:
             resolved: the scenario.
             team: its robots.
             seed: of everything random in the plant.
-            start: where they start, shape (n,), m and rad; None: where the scenario says.
+            start: where they start, shape (nq,), m and rad; None: where the scenario says.
+            loop: makes what controls the actuators.
 
         Raises:
             ConfigurationError: the control period is not a multiple of the physics step, or a
@@ -74,10 +77,13 @@ class Plant:
                 f"scenario {scenario.name}: rate: the period must be a multiple of "
                 f"{1e3 * PHYSICS_PERIOD:g} ms, got {1e3 * self.period:g} ms"
             )
-        self._watchdog = round(scenario.timeouts.watchdog / self.period)  # ticks
         self._home = home_of(team, resolved) if start is None else start
-        self._distance = per_joint(team, "q_star_distance", "q_star_distance")
-        self._step_limit = team.limits.acceleration * self.period
+        self._rules = CommandRules(
+            team.limits,
+            self.period,
+            round(scenario.timeouts.watchdog / self.period),
+            per_joint(team, "q_star_distance", "q_star_distance"),
+        )
         self.notes = notes(team, self._home)
         self.world = build_world(team)
         self._data = mujoco.MjData(self.world)
@@ -87,7 +93,7 @@ class Plant:
             (round(push.at / self.period), self._wrench(push)) for push in scenario.plant.pushes
         ]
         self._obstacles = team.obstacles
-        self._loop = ImpedanceLoop(team, PHYSICS_PERIOD, self._data.ctrl)
+        self._loop = loop(team, PHYSICS_PERIOD, self._data.ctrl)
         self._coordinates = Coordinates(self.world, team)
         direct = self._coordinates.direct
         self._driving = Driving(team)
@@ -210,25 +216,15 @@ class Plant:
 
     def _follow(self, chi: Vector) -> None:
         """Take a command over, and count what a well-behaved controller never sends."""
-        plant_state, limits = self._plant_state, self.team.limits
-        within = 1.0 + _TOLERANCE
-        change = np.abs(chi - plant_state.command)
-        self.counters.over_velocity += bool((np.abs(chi) > within * limits.velocity).any())
-        self.counters.over_acceleration += bool((change > within * self._step_limit).any())
-        plant_state.command[:] = chi
-        plant_state.silence = 0
-        plant_state.status = Status.FOLLOWING
+        fast, sudden = self._rules.exceeded(self._plant_state, chi)
+        self.counters.over_velocity += fast
+        self.counters.over_acceleration += sudden
+        self._rules.follow(self._plant_state, chi)
 
     def _miss(self) -> None:
         """Keep the last command for the watchdog's time, then slow down within the limits."""
-        plant_state = self._plant_state
-        plant_state.silence += 1
         self.counters.missing += 1
-        if plant_state.silence <= self._watchdog:
-            plant_state.status = Status.HOLDING
-            return
-        plant_state.status = Status.BRAKING
-        plant_state.command -= np.clip(plant_state.command, -self._step_limit, self._step_limit)
+        self._rules.miss(self._plant_state)
 
     def _advance(self) -> None:
         """Run the physics of one tick; q* moves along the command (first-order hold)."""
@@ -262,7 +258,7 @@ class Plant:
         self._sensors.measure(sensors, q, driving.velocities(q, rates))
         if any(data.warning[kind].number for kind in _DIVERGED):
             raise PlantError(f"the simulation became unstable at {data.time:.3f} s")
-        self._bound_q_star()
+        self.counters.clamped += self._rules.bound(plant_state, q)
         plant_state.tick += 1
         plant_state.effort[:] = data.actuator_force
         plant_state.contacts, plant_state.contact_force = touching(self.world, data)
@@ -274,14 +270,6 @@ class Plant:
             return  # q and q' are MuJoCo's own vectors
         self._coordinates.read(self._data, self._q, self._rates)
         self._coordinates.couple(self._data, self._q, self._rates)
-
-    def _bound_q_star(self) -> None:
-        """Pull q* back where it has run away from q, e.g. against an obstacle."""
-        q, q_star = self._q, self._plant_state.q_star
-        bounded = np.clip(q_star, q - self._distance, q + self._distance)
-        if not np.array_equal(bounded, q_star):
-            self.counters.clamped += 1
-            q_star[:] = bounded
 
     def _begin_pushes(self) -> None:
         """Begin the scenario's pushes that are due at this tick."""

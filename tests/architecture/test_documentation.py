@@ -15,8 +15,15 @@ import pytest
 
 from lexstack.transition import TransitionConfig
 from lexstack_config.plant import PlantConfig, PushConfig
+from lexstack_config.reference_topics import ReferenceTopicsConfig
 from lexstack_config.scenario import EventConfig, ScenarioConfig
 from lexstack_config.stream import StreamConfig
+from lexstack_config.trajectories import (
+    PathConfig,
+    PostureWayConfig,
+    TwistEventConfig,
+    WayConfig,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
@@ -214,10 +221,10 @@ def endpoints():
         where = packages() if variable.isupper() else code  # constants may be another module's
         values = [literal] if literal else defined.findall(where)
         found |= {name.replace("~", "/sim_bridge"): kind for name in values if "/" in name}
-    kinds = re.search(r"_KINDS = \{([^}]+)\}", packages()).group(1)
-    for name in [name for name in found if name.endswith("/{kind}")]:
-        kind = found.pop(name)
-        found |= {name.replace("{kind}", k): kind for k in re.findall(r"\"(\w+)\":", kinds)}
+    targets = next(code for code in modules() if "OF_FRAMES: dict" in code)
+    kinds = re.findall(r'^    "(\w+)": \((\w+), \w+\),$', targets, flags=re.MULTILINE)
+    found = {name: kind for name, kind in found.items() if not name.endswith("/{kind}")}
+    found |= {f"/NAME/{topic}": kind for topic, kind in kinds}
     return {re.sub(r"\{\w+\}", "NAME", name): kind for name, kind in found.items()}
 
 
@@ -300,6 +307,7 @@ def test_the_page_of_scenarios_names_every_scenario_and_every_key():
     named = set(re.findall(r"`([\w-]+)`", text))
     assert {path.stem for path in (ROOT / "config/scenarios").glob("*.yaml")} <= named
     tables = (ScenarioConfig, TransitionConfig, EventConfig, PlantConfig, PushConfig, StreamConfig)
+    tables += (ReferenceTopicsConfig, WayConfig, PathConfig, PostureWayConfig, TwistEventConfig)
     keys = {field.name for table in tables for field in dataclasses.fields(table)}
     assert not keys - named
 

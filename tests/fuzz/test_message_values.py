@@ -87,6 +87,32 @@ def test_targets(frame, pose, sec, nanosec):
 
 
 @thorough
+@given(
+    kind=st.sampled_from(fuzz_messages.MOVING[:4]),
+    values=st.lists(st.tuples(*[numbers | st.floats(-1.0, 1.0)] * 7), min_size=2, max_size=2),
+    seconds=st.tuples(st.integers(-3, 80), st.integers(-3, 80)),
+    frame=texts | st.sampled_from(["", "world", "robot_b/tool"]),
+    **stamps,
+)
+def test_targets_that_move(kind, values, seconds, frame, sec, nanosec):
+    message = stamped(fuzz_messages.good_target(kind), sec, nanosec)
+    message.header.frame_id = frame
+    points = getattr(message, "points", []) or getattr(message, "poses", [])
+    for point, numbers_, second in zip(points, values, seconds, strict=False):
+        if hasattr(point, "positions"):
+            point.positions = list(numbers_)
+        elif hasattr(point, "transforms"):
+            place, turn = point.transforms[0].translation, point.transforms[0].rotation
+            place.x, place.y, place.z = numbers_[:3]
+            turn.x, turn.y, turn.z, turn.w = numbers_[3:]
+        else:
+            point.pose.position.x, point.header.stamp.sec = numbers_[0], second
+        if hasattr(point, "time_from_start"):
+            point.time_from_start.sec = second
+    fuzz_messages.take(message)
+
+
+@thorough
 @given(stack=texts, duration=numbers, method=texts, at_tick=ticks)
 def test_switches(stack, duration, method, at_tick):
     fuzz_messages.take(

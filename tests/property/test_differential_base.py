@@ -250,5 +250,3 @@ def test_what_asks_for_the_position_of_a_velocity_is_refused(robot):
     stack["limits"] = {"robot": {"base_w": {"velocity": 0.3}}}
     built = lexstack.build_stack(build(lexstack.StackConfig, stack, "s"), team)
     assert built.limits.velocity[1] == 0.3
-    with pytest.raises(lexstack.ModelError, match=r"^robot robot: its base is differential"):
-        lexstack.Htmpc(robot, lexstack.DEFAULT_HTMPC)

@@ -25,6 +25,7 @@ from support.integers import SCALES, integer_problem, shape
 # Relative to the largest number of the exact answer, or to 1.
 CLOSE = 1e-8
 SOLVERS = {
+    "kernel": make_solver("kernel"),
     "daqp": make_solver("daqp"),
     "proxqp": make_solver("proxqp"),
     "quadprog": make_solver("quadprog"),

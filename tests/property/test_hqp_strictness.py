@@ -5,7 +5,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from lexstack.hqp import DaqpCascade, HqpProblem, ProxqpCascade, Solution, Status
+from lexstack.hqp import DaqpCascade, HqpProblem, KernelSolver, ProxqpCascade, Solution, Status
 from lexstack_experiments.hierarchies.random_problems import SINGULAR, problems
 from lexstack_experiments.hierarchies.score import score
 from lexstack_experiments.solvers import QuadprogCascade, lexicographic_oracle
@@ -16,6 +16,7 @@ SINGULAR_EXCESS = 1e-5
 SEEDS = st.integers(0, 2**32 - 1)
 SIZES = st.integers(8, 24)
 SOLVERS = {
+    "kernel": KernelSolver(),
     "daqp": DaqpCascade(),
     "daqp, every level": DaqpCascade(guesses=False),
     "proxqp": ProxqpCascade(),
@@ -51,7 +52,7 @@ def assert_strict(given: HqpProblem):
 @pytest.mark.parametrize("seed", range(4))
 def test_the_default_solver_on_600_problems_of_10_to_80_variables_and_1_to_5_levels(seed):
     # Each of them with a certificate that trusts nothing of the solver.
-    scores = score(DaqpCascade(), problems(seed, 600))
+    scores = score(KernelSolver(), problems(seed, 600))
     assert sum(len(part.times) for part in scores.values()) == 600
     for kind, part in scores.items():
         assert part.failures == 0, kind

@@ -23,7 +23,7 @@ def problem(seed, which="ur10_ridgeback", wild=1.0, **changes):
 
 def errors_at(solver, start, plan, objective):
     """Return a task's errors at a plan, and the task."""
-    task = Task(objective, solver.config, solver.robot.n)
+    task = Task(objective, solver.config, solver.robot)
     return task.error(solver.program(start).iterate(plan.u).at), task
 
 
@@ -133,9 +133,9 @@ def test_a_guard_lets_pass_what_it_was_made_from_and_no_worse(seed, delta, kind)
     solver = optimiser(lexicographic=kind, second_order_correction=False, tolerance=delta)
     rng = np.random.default_rng(seed)
     objective = random_objectives(rng, random_start(rng), solver)[0]
-    task = Task(objective, solver.config, 9)
+    task = Task(objective, solver.config, solver.robot)
     best = rng.normal(0.0, 0.1, (10, 3))
-    constraint = LexicographicConstraint(0, task, best, kind, solver.horizon)
+    constraint = LexicographicConstraint(0, task, best, kind)
     assert constraint.excess(best)[0] <= 0.0
     assert constraint.excess(0.5 * best)[0] <= 0.0
     worse = best + np.sign(best) * (delta + 1e-3) * 6.0

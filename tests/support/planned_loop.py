@@ -8,7 +8,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.mpc import ARCHITECTURES, Change, Progress, SequenceRunner, SequenceTask, tasks_of
+from lexstack.mpc import (
+    ARCHITECTURES,
+    Change,
+    Progress,
+    SequenceRunner,
+    SequenceTask,
+    plans_of,
+    tasks_of,
+)
 from lexstack.tasks import plan_stack
 from lexstack.transition import HeardPlan
 from lexstack.types import RobotState
@@ -114,7 +122,7 @@ class PlannedLoop(Loop):
         runner = self._runners[job.robot]
         if state.tick == job.begin:
             runner.begin(job.tasks, ARCHITECTURES[job.architecture], state)
-        progress = runner.step(state)
+        progress = runner.step(state, plans_of(self._runners))
         job.progress.append(progress)
         plan = progress.plan
         times = np.round(_NS * plan.step * np.arange(len(plan.v))) / _NS

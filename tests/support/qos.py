@@ -58,12 +58,15 @@ def _calls(path: Path, name: str) -> Iterator[ast.Call]:
 
 def _topic(node: ast.expr, module: str) -> str:
     """Return a topic with NAME in place of what a robot's name is put into, or ''."""
+    if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "relative":
+        node = node.args[0]
     if isinstance(node, ast.JoinedStr):
-        return "".join(
+        value: object = "".join(
             str(part.value) if isinstance(part, ast.Constant) else "NAME" for part in node.values
         )
-    value = _value(node, module)
-    return value if isinstance(value, str) else ""
+    else:
+        value = _value(node, module)
+    return "/" + value.removeprefix("/") if isinstance(value, str) else ""
 
 
 def _qos(node: ast.expr, module: str) -> Qos:

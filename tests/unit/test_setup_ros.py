@@ -3,7 +3,15 @@
 import pytest
 
 from workspace.errors import SetupError
-from workspace.ros import Ros, find_ros, patch_cmake, python_version, select_packages, split_lock
+from workspace.ros import (
+    Ros,
+    brought_along,
+    find_ros,
+    patch_cmake,
+    python_version,
+    select_packages,
+    split_lock,
+)
 
 LOCK = """\
 # a header
@@ -54,6 +62,13 @@ def test_jazzy_for_an_unsupported_python_is_refused(tmp_path):
     (tmp_path / "lib/python3.9/site-packages/rclpy").mkdir(parents=True)
     with pytest.raises(SetupError, match=r"3\.11 to 3\.13"):
         find_ros({"ROS_DISTRO": "jazzy", "AMENT_PREFIX_PATH": str(tmp_path)})
+
+
+def test_packages_that_a_native_ros_has_itself_are_not_built(native):
+    assert brought_along(Ros()) == ()
+    assert brought_along(Ros(native)) == (), "it may be a small installation"
+    (native / "share/tf2_msgs").mkdir(parents=True)
+    assert brought_along(Ros(native)) == ("tf2_msgs",)
 
 
 def test_python_version_is_compared_as_numbers():

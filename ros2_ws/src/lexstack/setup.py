@@ -27,5 +27,6 @@ setup(
         "proxsuite>=0.8",
         "scipy>=1.13",
     ],
+    extras_require={"fast": ["numba>=0.61"]},  # the compiled solver of the hierarchy
     zip_safe=False,
 )

@@ -35,6 +35,14 @@ setup(
         "trimesh>=5.2",
         "zstandard",
     ],
-    extras_require={"parquet": ["pyarrow"]},  # bags as tables
+    extras_require={
+        "parquet": ["pyarrow"],  # bags as tables
+        "test": ["pytest"],  # by which colcon test finds test/
+    },
+    entry_points={
+        "console_scripts": [
+            "analyze = lexstack_bag.commands.analyze:main",
+        ],
+    },
     zip_safe=False,
 )

@@ -17,6 +17,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}/launch", ["launch/run.launch.py"]),
     ],
     install_requires=[
         "lexstack",
@@ -27,5 +28,13 @@ setup(
         "numpy>=2",
         "PyYAML>=6",
     ],
+    entry_points={
+        "console_scripts": [
+            "bringup = lexstack_bringup.commands.bringup:main",
+            "demo = lexstack_bringup.commands.demo:main",
+            "replay = lexstack_bringup.commands.replay:main",
+        ],
+    },
+    extras_require={"test": ["pytest"]},  # by which colcon test finds test/
     zip_safe=False,
 )

@@ -40,6 +40,13 @@ setup(
     extras_require={
         "gurobi": ["gurobipy"],  # the solver of the authors of H; it needs a licence
         "peers": ["pin-pink>=4", "piqp>=0.6"],  # measured beside our solver
+        "test": ["pytest"],  # by which colcon test finds test/
+    },
+    entry_points={
+        "console_scripts": [
+            "bench = lexstack_experiments.commands.bench:main",
+            "experiment = lexstack_experiments.commands.experiment:main",
+        ],
     },
     zip_safe=False,
 )

@@ -30,5 +30,6 @@ setup(
             "sim_bridge = lexstack_plant.adapters.mujoco:main",
         ],
     },
+    extras_require={"test": ["pytest"]},  # by which colcon test finds test/
     zip_safe=False,
 )

@@ -13,7 +13,7 @@ setup(
     maintainer_email="lexstack@users.noreply.github.com",
     python_requires=">=3.11",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "view/assets/*"]},
+    package_data={PACKAGE: ["py.typed"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
@@ -24,14 +24,20 @@ setup(
         "lexstack-config",
         "lexstack-sim",
         "numpy>=2",
+        "viser>=1.1,<1.2",
+        "websockets>=13.1",
     ],
     entry_points={
         "console_scripts": [
+            "controller = lexstack_ros.controller.node:main",
             "hqp_controller = lexstack_ros.controller.node:main",
-            "stack_solver = lexstack_ros.solver.node:main",
+            "htmpc = lexstack_ros.planner.node:main",
             "recorder = lexstack_ros.recorder.node:main",
+            "solver = lexstack_ros.solver.node:main",
+            "stack_solver = lexstack_ros.solver.node:main",
             "view = lexstack_ros.view.node:main",
         ],
     },
+    extras_require={"test": ["pytest"]},  # by which colcon test finds test/
     zip_safe=False,
 )

@@ -10,6 +10,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 
 from lexstack_bag.commands.analyze import analyze, main
 from lexstack_bag.commands.replay import replay
+from lexstack_bag.errors import BagError
 from lexstack_bag.replay.changes import Changes
 from lexstack_bag.run.reader import read_provenance, read_run
 from lexstack_bag.storage.container import Container, find_files
@@ -24,29 +25,34 @@ def no_pictures(monkeypatch):
     monkeypatch.setitem(sys.modules, "lexstack_sim.render", None)
 
 
-def copied(synthetic, folder, scenario):
-    """Copy the messages of a bag with a writer of rosbags' own, and a scenario if there is one."""
+def copied(synthetic, folder, scenario, cells=("",)):
+    """Copy the messages of a bag with a writer of rosbags' own, and a scenario if there is one.
+
+    With namespaces as ``cells`` every message stands there once below each of them.
+    """
     messages = list(Container(find_files(synthetic.folder)).messages())
     with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         if scenario is not None:
-            store_data(writer, messages[0].log_time, scenario)
+            for cell in cells:
+                store_data(writer, messages[0].log_time, scenario, cell)
         known = {}
-        for each in messages:
-            if each.topic not in known:
+        for each, cell in ((each, cell) for each in messages for cell in cells):
+            topic = f"{cell}{each.topic}"
+            if topic not in known:
                 kind = each.schema.name
-                known[each.topic] = writer.add_connection(
-                    each.topic, kind, msgdef=message_definition(kind), rihs01="RIHS01_" + "0" * 64
+                known[topic] = writer.add_connection(
+                    topic, kind, msgdef=message_definition(kind), rihs01="RIHS01_" + "0" * 64
                 )
-            writer.write(known[each.topic], each.log_time, each.data)
+            writer.write(known[topic], each.log_time, each.data)
     return folder
 
 
-def store_data(writer, time, text):
+def store_data(writer, time, text, cell=""):
     """Write the scenario as the controller publishes it."""
     data = text.encode() + b"\0"
     cdr = b"\0\1\0\0" + len(data).to_bytes(4, "little") + data
     connection = writer.add_connection(
-        SCENARIO, STRING, msgdef=message_definition(STRING), rihs01="RIHS01_" + "0" * 64
+        f"{cell}{SCENARIO}", STRING, msgdef=message_definition(STRING), rihs01="RIHS01_" + "0" * 64
     )
     writer.write(connection, time, cdr)
 
@@ -74,6 +80,22 @@ def test_a_bag_of_another_recorder_is_replayed(foreign, synthetic):
     _, expected = replay(synthetic.folder, Changes((), "", "", ""), ["robot_a"])
     assert run.resolved == synthetic.resolved
     assert np.array_equal(outcomes[0].replayed, expected[0].replayed, equal_nan=True)
+
+
+@pytest.mark.parametrize("cells", [["/cell1"], ["/cell1", ""], ["/hall/cell2"]])
+def test_a_cell_in_a_namespace_is_analysed_as_one_without(synthetic, tmp_path, cells):
+    folder = copied(synthetic, tmp_path / "bag", synthetic.resolved.to_yaml(), cells)
+    theirs, ours = read_run(folder), read_run(synthetic.folder)
+    assert np.array_equal(theirs.chi["robot_a"].chi, ours.chi["robot_a"].chi)
+    assert theirs.messages.items() >= ours.messages.items()
+    assert any(topic.startswith("/cell1") for topic in theirs.messages) == (cells[-1] == "")
+
+
+def test_a_bag_of_two_cells_is_refused_with_what_to_do(synthetic, tmp_path):
+    cells = ["/cell1", "/cell2"]
+    folder = copied(synthetic, tmp_path / "bag", synthetic.resolved.to_yaml(), cells)
+    with pytest.raises(BagError, match=r"runs of /cell1, /cell2; .* --regex '\^/cell1/'"):
+        read_run(folder)
 
 
 def test_a_record_of_our_own_comes_before_the_message(synthetic):

@@ -72,7 +72,18 @@ def hostile_kind(maker):
             turn = types["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0)
             pose = types["geometry_msgs/msg/Pose"](point, turn)
             task = types["lexstack_interfaces/msg/SequenceTask"](
-                ALL + "goal", "base_position", [pose], 0.0, 0.0, 0.02, 0.1, 0.0, False
+                ALL + "goal",
+                "base_position",
+                ALL,
+                [ALL],
+                [pose],
+                np.zeros(0),
+                0.0,
+                0.0,
+                0.02,
+                0.1,
+                0.0,
+                False,
             )
             self.put(
                 "/htmpc/sequence",

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from lexstack.mpc import HT_ARCH, Change, SequenceRunner, SequenceTask
+from lexstack.mpc import HT_ARCH, Change, SequenceRunner, SequenceTask, plans_of
 from lexstack.types import RobotState
 from lexstack_bag.errors import BagError
 from lexstack_bag.replay.changes import Changes, Question
@@ -98,6 +98,67 @@ def recorded():
     )
 
 
+@cache
+def two_recorded():
+    """Return a run in which two robots cross, each with a plan of its own."""
+    away = {"robot_a": (0.0, 0.0, 0.0), "robot_b": (2.2, -1.8, 3.14)}
+    places = resolved().scenario.robots
+    own = replace(
+        resolved(),
+        scenario=replace(
+            resolved().scenario,
+            robots={name: replace(place, base=away[name]) for name, place in places.items()},
+        ),
+    )
+    team = build_team(own)
+    runners = {i: SequenceRunner(team, i, own.htmpc["lexstack"]) for i in range(2)}
+    for runner in runners.values():
+        runner._blend = own.scenario.transition.duration
+    q = home_of(team, own)
+    state = RobotState(0, 0.0, q, np.zeros(team.n), q, np.zeros(team.n))
+    goals = ((5.0, 0.0), (2.2, 3.2))
+    tasks = [SequenceTask("drive", "base_position", (goal,), speed=0.95) for goal in goals]
+    states, plans, events = [], {0: [], 1: []}, {0: [], 1: []}
+
+    def note(robot, event):
+        mine = () if event == "end" else (tasks[robot],)
+        events[robot].append(SequenceEvent(100 * tick + 10, tick, "ht", event, "", mine))
+
+    for tick in range(350):
+        states.append(state)
+        for i, runner in runners.items():
+            if tick == 10 * i:
+                runner.begin((tasks[i],), HT_ARCH, state)
+                note(i, "begin")
+            if i == 0 and tick == 300:
+                runner.end()
+                note(0, "end")
+            if runner.sequence is not None and tick % EVERY == 0:
+                plan = runner.step(state, plans_of(runners)).plan
+                plans[i].append((100 * tick + 20 + i, plan))
+        v = state.command.copy()
+        for i, part in enumerate(team.slices):
+            if plans[i]:
+                v[part] = plans[i][-1][1].sample(state.stamp + DT)[1]
+        q = state.q + DT * v
+        state = RobotState(tick + 1, state.stamp + DT, q, v, q, v)
+    topics = {
+        name: PlanTopics(
+            PlanStream(
+                np.array([round(plan.stamp / DT) for _, plan in plans[i]]),
+                np.array([plan.stamp for _, plan in plans[i]]),
+                np.array([0.1 * np.arange(11) for _ in plans[i]]),
+                np.array([plan.v.ravel() for _, plan in plans[i]]),
+                np.array([sent for sent, _ in plans[i]]),
+            ),
+            empty(ProgressStream),
+            tuple(events[i]),
+        )
+        for i, name in enumerate(team.names)
+    }
+    return replace(recorded(), resolved=own, plant=plant_of(states), plan_topics=topics)
+
+
 def empty(kind):
     return kind(*(np.zeros(0) for _ in kind.__dataclass_fields__))
 
@@ -120,6 +181,18 @@ def test_all_changes_of_a_sequence_are_replayed_bit_by_bit():
     assert found.identical, found.line()
     assert found.line() == f"htmpc: identical over all {(TICKS - 10) // EVERY} ticks"
     assert found.joints[-1].name == "robot_b/panda_joint7, state 10"
+
+
+def test_plans_that_avoid_each_other_are_replayed_bit_by_bit():
+    found = replayed(two_recorded())
+    assert found.identical, found.line()
+
+
+def test_the_other_robot_s_plan_counts():
+    run = two_recorded()
+    alone = replace(run, plan_topics={"robot_a": run.plan_topics["robot_a"]})
+    assert not replayed(alone).identical
+    assert not replayed(run, "htmpc.lexstack.predict_others=false").identical
 
 
 def test_one_flipped_bit_is_found_at_its_tick():

@@ -101,7 +101,7 @@ def test_without_the_key_the_names_are_unknown(tmp_path, module):
     assert Parts.of(resolved).unfit["some"].endswith(f"relative_pose, velocity_damping; {more}")
     for values, text in (
         ({"transition": {"method": "follow"}}, "transition.method: unknown method 'follow'"),
-        ({"solver": "my_solver"}, "solver: unknown solver 'my_solver'; known: daqp, proxqp"),
+        ({"solver": "my_solver"}, "solver: unknown solver 'my_solver'; known: kernel, daqp"),
     ):
         path = scenario(tmp_path / text[:6], **values)
         with pytest.raises(ConfigurationError) as error:
@@ -179,7 +179,7 @@ def test_a_library_user_is_told_too():
     wrong = type(options)(1.0, method="jump")
     with pytest.raises(ConfigurationError, match="unknown method 'jump'; known: bridge"):
         Transition(parts.stacks, None, TransitionOptions("track", wrong), parts.team)
-    with pytest.raises(ConfigurationError, match="unknown solver 'mosek'; known: daqp, proxqp"):
+    with pytest.raises(ConfigurationError, match="unknown solver 'mosek'; known: kernel, daqp"):
         make_solver("mosek")
     with pytest.raises(ConfigurationError, match=r"^here: transition\.method: unknown method"):
         load_extensions(changed(transition=wrong).scenario, "here")

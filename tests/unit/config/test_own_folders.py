@@ -104,7 +104,7 @@ def test_the_scenario_of_a_run_s_folder_can_be_run_again(own, tmp_path_factory):
         ({"initial_stack": "reach_base"}, "reach_base.yaml: levels["),
         (
             {"sequences": {"s": {"robot": "arm", "tasks": [TASK]}}},
-            "sequences.s: robot 'arm' has no base, and the MPC needs one",
+            "sequences.s: robot: 'arm' follows plans on the stack 'plan_arm': ",
         ),
     ],
 )

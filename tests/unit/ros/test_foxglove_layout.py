@@ -1,4 +1,4 @@
-"""The Foxglove layout: every topic and field that it names is one of ours."""
+"""The layouts of Foxglove and RViz: every topic and field that they name is one of ours."""
 
 from __future__ import annotations
 
@@ -8,13 +8,25 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from lexstack_bag.storage.definitions import message_definition
-from lexstack_bag.topics import contract_topics
+from lexstack_bag.topics import ONLOOKERS, contract_topics
+from lexstack_ros.view.markers import MARKERS
 
-LAYOUT = Path(__file__).parents[3] / "config/foxglove/lexstack.json"
-TOPICS = contract_topics(("robot_a", "robot_b"))
+CONFIG = Path(__file__).parents[3] / "config"
+LAYOUT = CONFIG / "foxglove/lexstack.json"
+ROBOTS = ("robot_a", "robot_b")
+LATCHED = {
+    f"/{robot}/{topic}": kind
+    for robot in ROBOTS
+    for topic, kind in (
+        ("robot_description", "std_msgs/msg/String"),
+        ("ee_reference", "geometry_msgs/msg/PoseStamped"),
+    )
+}
+TOPICS = contract_topics(ROBOTS) | ONLOOKERS | LATCHED
 PANELS = {"3D", "Plot", "StateTransitions", "DiagnosticSummary", "RawMessages"}
 
 
@@ -29,6 +41,8 @@ def paths(content: dict[str, Any]) -> list[str]:
         found += [path["value"] for path in panel.get("paths", [])]
         found += list(panel.get("topics", {}))
         found += [panel[key] for key in ("topicPath", "topicToRender") if key in panel]
+        layers = panel.get("layers", {}).values()
+        found += [layer["topic"] for layer in layers if "topic" in layer]
     return found
 
 
@@ -97,5 +111,31 @@ def test_it_shows_what_a_run_is_about():
         "/robot_b/chi.solve_time",
         "/diagnostics",
         "/robot_b/ee_target",
+        "/robot_a/robot_description",
+        MARKERS,
     ):
         assert path in shown
+
+
+DISPLAYS = {  # of RViz, and the types that they take
+    "RobotModel": ("Description Topic", "std_msgs/msg/String"),
+    "MarkerArray": ("Topic", "visualization_msgs/msg/MarkerArray"),
+    "Pose": ("Topic", "geometry_msgs/msg/PoseStamped"),
+    "SetGoal": ("Topic", "geometry_msgs/msg/PoseStamped"),
+}
+
+
+def test_rviz_draws_topics_of_ours_in_the_world():
+    manager = yaml.safe_load((CONFIG / "rviz/lexstack.rviz").read_text(encoding="utf-8"))
+    manager = manager["Visualization Manager"]
+    assert manager["Global Options"]["Fixed Frame"] == "world"
+    heard = {}
+    for display in (*manager["Displays"], *manager["Tools"]):
+        key, kind = DISPLAYS.get(display["Class"].rpartition("/")[2], ("", ""))
+        if key:
+            topic = display[key]["Value"]
+            assert TOPICS[topic] == kind, topic
+            heard[topic] = display[key]
+    assert heard[MARKERS]["Reliability Policy"] == "Best Effort"
+    for topic in LATCHED:
+        assert heard[topic]["Durability Policy"] == "Transient Local"

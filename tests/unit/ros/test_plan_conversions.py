@@ -44,6 +44,15 @@ def test_a_plan_is_sampled_as_its_message_says():
     assert heard.at(1.01) is None
 
 
+def test_a_plan_of_a_differential_base_has_positions_of_its_arm_alone():
+    u = np.zeros((2, 4))
+    q = np.arange(15.0).reshape(3, 5)
+    plan = Plan(0.0, 0.1, q, np.ones((3, 4)), u, (), (), (), 0.0)
+    told = plan_message(plan, ["v", "w", "one", "two"])
+    assert [list(point.positions) for point in told.points] == [[0, 0, *row[3:]] for row in q]
+    assert list(told.points[1].velocities) == [1.0] * 4
+
+
 def broken(**changes):
     def change(plan):
         for key, value in changes.items():
@@ -85,15 +94,22 @@ def test_a_plan_that_does_not_fit_is_refused(change, text):
 
 
 COORDINATE = st.floats(-5.0, 5.0)
-KINDS = {"ee_position": 3, "ee_pose": 7, "base_position": 2, "base_pose": 3}
+KINDS = {
+    "ee_position": 3,
+    "ee_pose": 7,
+    "ee_orientation": 4,
+    "base_position": 2,
+    "base_pose": 3,
+    "joint_positions": 2,
+}
 
 
 @st.composite
 def tasks(draw):
     kind = draw(st.sampled_from(sorted(KINDS)))
     point = [draw(COORDINATE) for _ in range(KINDS[kind])]
-    if kind == "ee_pose":
-        point[3:] = [0.0, 0.6, 0.0, 0.8]
+    if kind in ("ee_pose", "ee_orientation"):
+        point[-4:] = [0.0, 0.6, 0.0, 0.8]
     if kind == "base_pose":
         point[2] = draw(st.floats(-3.1, 3.1))
     return SequenceTask(
@@ -106,6 +122,8 @@ def tasks(draw):
         draw(st.floats(0.001, 1.0)),
         draw(st.floats(0.0, 5.0)),
         draw(st.booleans()),
+        draw(st.sampled_from(["tool", "left"])) if kind.startswith("ee") else "tool",
+        draw(st.sampled_from([(), ("a", "b")])) if kind == "joint_positions" else (),
     )
 
 
@@ -136,6 +154,22 @@ def test_a_task_that_cannot_be_is_refused(field, value, text):
         to_task(task, "goal")
 
 
+@pytest.mark.parametrize(
+    ("positions", "joints", "text"),
+    [
+        ([], [], "positions: expected one per joint and point, got 0 for 2 points"),
+        ([1.0, 2.0, 3.0], [], "positions: expected one per joint and point, got 3 for 2 points"),
+        ([1.0, 2.0], ["a", "b"], "positions: expected one per joint and point, got 2 for 2 points"),
+        ([1.0, float("nan")], [], "positions"),
+    ],
+)
+def test_positions_of_joints_that_do_not_fit_are_refused(positions, joints, text):
+    message = TaskMessage(name="t", kind="joint_positions", points=[Pose(), Pose()])
+    message.positions, message.joints = positions, joints
+    with pytest.raises(InputError, match=f"goal: {text}"):
+        to_task(message, "goal")
+
+
 def test_zero_stands_for_the_default_tolerances():
     task = TaskMessage(name="give", kind="base_position", points=[Pose()])
     assert (to_task(task, "goal").tolerance, to_task(task, "goal").tolerance_angle) == (0.02, 0.1)
@@ -150,4 +184,4 @@ def test_points_that_are_not_finite_are_refused():
     pose = Pose()
     pose.position.x = float("inf")
     with pytest.raises(InputError, match=r"points\[0\]"):
-        to_points([pose], "base_position", "task")
+        to_points(TaskMessage(points=[pose]), "base_position", "task")

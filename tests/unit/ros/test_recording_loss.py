@@ -1,6 +1,7 @@
 """What the recorder calls lost, and what it does not."""
 
 import pytest
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from lexstack_ros.recorder.topics import Tap, matching_qos
 
@@ -45,4 +46,12 @@ def test_a_second_publisher_that_started_earlier_makes_no_gap(node, tap):
     for number in (1, 2, 9, 10):  # 9 and 10 are another's, whose first eight nobody awaited
         node.hear(number)
     tap.shared = True
+    assert tap.lost == 0
+
+
+def test_what_is_sent_best_effort_is_not_lost(node):
+    qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    tap = Tap(node, "/topic", "std_msgs/msg/String", qos, lambda *_: None)
+    for number in (1, 5):
+        node.hear(number)
     assert tap.lost == 0

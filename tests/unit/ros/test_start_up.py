@@ -12,10 +12,12 @@ from support.scenario import CONFIG
 
 SCENARIO = CONFIG / "scenarios" / "deliver-both.yaml"  # it needs every node
 
-SLOW = ("scipy.linalg", "scipy.optimize", "scipy.special", "glfw", "rosbags", "matplotlib")
+SLOW = ("viser", "scipy.linalg", "scipy.optimize", "scipy.special", "glfw", "rosbags", "matplotlib")
 NOT_TO_BE_LOADED = {
     **dict.fromkeys(MODULES, (*SLOW, "casadi")),
     "htmpc": (*SLOW, "lexstack_sim"),  # casadi generates its kinematics
+    # numba loads scipy.linalg for its own linear algebra, whether the kernel has any or not.
+    **dict.fromkeys(("hqp_controller", "stack_solver"), (*SLOW[1:], "casadi")),
     RECORDER: (*SLOW, "casadi", "pinocchio", "lexstack_bag.run.reader"),
 }
 LOADED = {"sim_bridge": "mujoco", "hqp_controller": "pinocchio", "stack_solver": "daqp"}

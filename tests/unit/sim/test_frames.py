@@ -1,83 +1,137 @@
-"""Frames: the robots' trees hang in the world, where tf2_msgs is installed."""
+"""Frames: every robot's tree of links, below odom and base_link, where pinocchio has them."""
 
-import sys
+from __future__ import annotations
+
+import time
 import types
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
-from geometry_msgs.msg import TransformStamped
+import numpy as np
+import pinocchio as pin
+import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.typesys import Stores, get_typestore
+from tf2_msgs.msg import TFMessage
 
-from lexstack_plant.topics import tie_frames, tied
+from lexstack.robots import RobotModel, Team
+from lexstack_config.resolved import load_robot
+from lexstack_plant.frames import FrameTopics, static_transforms
 from lexstack_sim.urdf import robot_urdf
-from support.scenario import team
+from support.scenario import random_q, team
 
+ROBOTS = sorted((Path(__file__).parents[3] / "config/robots").glob("*.yaml"))
 JAZZY = get_typestore(Stores.ROS2_JAZZY)
-KIND = "tf2_msgs/msg/TFMessage"
-
-
-class Message:
-    """tf2_msgs/TFMessage as Jazzy defines it; the wheels do not have it, rosbags does."""
-
-    def __new__(cls, **fields):
-        """Take fields of rclpy's messages, through their bytes, as a generated class does."""
-        transforms = [
-            JAZZY.deserialize_cdr(serialize_message(each), "geometry_msgs/msg/TransformStamped")
-            for each in fields.pop("transforms")
-            if isinstance(each, TransformStamped)
-        ]
-        return JAZZY.types[KIND](transforms=transforms, **fields)
 
 
 class FakeNode:
-    """A node that keeps what is published."""
+    """A node that keeps what is published, by topic."""
 
-    def __init__(self):
-        self.published = []
+    def __init__(self, listeners=1):
+        self.published, self.qos, self.listeners = {}, {}, listeners
 
-    def create_publisher(self, kind, topic, qos):
-        self.created = (kind, topic, qos)
-        return types.SimpleNamespace(publish=self.published.append)
-
-
-def test_the_root_of_every_robot_is_the_world():
-    transform = tied("robot_a")
-    assert (transform.header.frame_id, transform.child_frame_id) == ("world", "robot_a/world")
-    turn, place = transform.transform.rotation, transform.transform.translation
-    assert (turn.x, turn.y, turn.z, turn.w) == (0.0, 0.0, 0.0, 1.0)
-    assert (place.x, place.y, place.z) == (0.0, 0.0, 0.0)
+    def create_publisher(self, _kind, topic, qos):
+        self.published[topic], self.qos[topic] = [], qos
+        return types.SimpleNamespace(
+            publish=self.published[topic].append, get_subscription_count=lambda: self.listeners
+        )
 
 
-def test_frames_are_published_once_and_latched_where_the_message_is_installed(monkeypatch):
-    package = types.ModuleType("tf2_msgs.msg")
-    package.TFMessage = Message
-    monkeypatch.setitem(sys.modules, "tf2_msgs", types.ModuleType("tf2_msgs"))
-    monkeypatch.setitem(sys.modules, "tf2_msgs.msg", package)
+def pose_of(transform):
+    place, turn = transform.transform.translation, transform.transform.rotation
+    rotation = pin.Quaternion(turn.w, turn.x, turn.y, turn.z).toRotationMatrix()
+    return pin.SE3(rotation, np.array([place.x, place.y, place.z]))
+
+
+def tree_of(group, q):
+    """Return parent and pose of every frame at q, by name; a frame has one parent."""
+    topics = FrameTopics(FakeNode(), group)
+    moving = deserialize_message(topics.message(1.0, q), TFMessage)
+    transforms = [*static_transforms(group), *moving.transforms]
+    found = {t.child_frame_id: (t.header.frame_id, pose_of(t)) for t in transforms}
+    assert len(found) == len(transforms)
+    return found
+
+
+def in_world(tree, frame):
+    pose = pin.SE3.Identity()
+    while frame != "world":
+        frame, step = tree[frame]
+        pose = step * pose
+    return pose
+
+
+@pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
+def test_the_links_of_every_robot_are_where_pinocchio_has_them(path):
+    robot = RobotModel("one", load_robot(path))
+    group = Team((robot,), 0.01)
+    q = group.home() + np.random.default_rng(3).uniform(-0.2, 0.2, group.nq)
+    tree = tree_of(group, q)
+    text = robot_urdf(robot)
+    links = {link.get("name") for link in ET.fromstring(text).findall("link")}
+    assert {f"one/{link}" for link in links} <= tree.keys()
+    model, data = robot.pinocchio, robot.pinocchio.createData()
+    pin.framesForwardKinematics(model, data, robot.positions(q))
+    compared = 0
+    for link in links - {"world"}:
+        if model.existFrame(link, pin.FrameType.BODY):
+            expected = data.oMf[model.getFrameId(link, pin.FrameType.BODY)]
+            assert in_world(tree, f"one/{link}").isApprox(expected, 1e-9), link
+            compared += 1
+    assert compared >= 2
+    tool, _ = robot.tool(q)
+    assert np.allclose(in_world(tree, "one/tool").translation, tool.position)
+    assert np.allclose(in_world(tree, "one/tool").rotation, tool.rotation)
+
+
+def test_odom_is_below_the_world_and_base_link_below_odom():
+    q = random_q(np.random.default_rng(8))
+    tree = tree_of(team(), q)
+    for robot, part in zip(team().robots, team().q_slices, strict=True):
+        assert tree[f"{robot.name}/odom"][0] == "world"
+        frame, above = f"{robot.name}/base_link", []
+        while frame != "world":
+            frame = tree[frame][0]
+            above.append(frame)
+        assert f"{robot.name}/odom" in above
+        pose = in_world(tree, f"{robot.name}/base_link")
+        x, y, yaw = q[part][:3]
+        assert np.allclose(pose.translation, (x, y, 0.0))
+        assert np.allclose(pose.rotation, pin.rpy.rpyToMatrix(0.0, 0.0, yaw))
+
+
+def test_what_stands_is_told_once_and_kept_what_moves_as_tf2_listens():
     node = FakeNode()
-    assert tie_frames(node, ["robot_a", "robot_b"]) is not None
-    kind, topic, qos = node.created
-    assert (kind, topic) == (Message, "/tf_static")
-    assert qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
-    assert qos.reliability == ReliabilityPolicy.RELIABLE
-    (message,) = node.published
-    heard = JAZZY.deserialize_cdr(JAZZY.serialize_cdr(message, KIND), KIND)
-    assert [t.child_frame_id for t in heard.transforms] == ["robot_a/world", "robot_b/world"]
-    assert {t.header.frame_id for t in heard.transforms} == {"world"}
-    assert {t.transform.rotation.w for t in heard.transforms} == {1.0}
+    FrameTopics(node, team())
+    assert len(node.published["tf_static"]) == 1
+    assert node.qos["tf_static"].durability == DurabilityPolicy.TRANSIENT_LOCAL
+    for topic in ("tf", "tf_static"):
+        assert node.qos[topic].reliability == ReliabilityPolicy.RELIABLE
+    assert node.qos["tf"].durability == DurabilityPolicy.VOLATILE
 
 
-def test_what_is_tied_is_the_root_of_the_tree_that_the_description_has():
-    """robot_state_publisher puts NAME/ before the links of the description."""
-    for robot in team().robots:
-        parsed = ET.fromstring(robot_urdf(robot))
-        links = {link.get("name") for link in parsed.iter("link")}
-        (root,) = links - {child.get("link") for child in parsed.iter("child")}
-        assert tied(robot.name).child_frame_id == f"{robot.name}/{root}"
-
-
-def test_without_the_message_there_are_no_frames(monkeypatch):
-    monkeypatch.setitem(sys.modules, "tf2_msgs", None)
+def test_at_most_fifty_a_second_and_none_where_nobody_listens(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
     node = FakeNode()
-    assert tie_frames(node, ["robot_a"]) is None
-    assert node.published == []
+    topics = FrameTopics(node, team())
+    for _ in range(1000):
+        topics.publish(now[0], team().home())
+        now[0] += 0.004
+    assert 190 <= len(node.published["tf"]) <= 202
+    node = FakeNode(listeners=0)
+    FrameTopics(node, team()).publish(0.0, team().home())
+    assert node.published["tf"] == []
+
+
+def test_the_message_is_that_of_jazzy():
+    topics = FrameTopics(FakeNode(), team())
+    topics.message(7.0, team().home() + 0.1)
+    data = topics.message(2.5, team().home())
+    heard = JAZZY.deserialize_cdr(data, "tf2_msgs/msg/TFMessage")
+    assert len(heard.transforms) == 2 * 10
+    stamps = {(t.header.stamp.sec, t.header.stamp.nanosec) for t in heard.transforms}
+    assert stamps == {(2, 500_000_000)}
+    message = deserialize_message(data, TFMessage)
+    assert deserialize_message(serialize_message(message), TFMessage) == message

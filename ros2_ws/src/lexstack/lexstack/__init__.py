@@ -47,6 +47,7 @@ if TYPE_CHECKING:
         solve_hqp,
         track,
         track_base,
+        track_joints,
     )
     from lexstack.control.planning import Htmpc
     from lexstack.control.run import Lockstep
@@ -70,6 +71,7 @@ if TYPE_CHECKING:
         CollisionScene,
         HtmpcConfig,
         Objective,
+        OtherRobot,
         Plan,
         SequenceRunner,
         SequenceTask,
@@ -152,14 +154,15 @@ else:
         __name__,
         {
             "control": "Command Controller ExactPlant HqpController HqpResult Record StackSolver "
-            "Track make_controller make_stack_solver solve_hqp track track_base",
+            "Track make_controller make_stack_solver solve_hqp track track_base "
+            "track_joints",
             "control.planning": "Htmpc",
             "control.run": "Lockstep",
             "errors": "ConfigurationError InputError LexstackError ModelError",
             "hqp": "SOLVERS HqpProblem HqpSolver Solution Status describe "
             "explain_unmet_levels make_solver register_solver",
             "limits": "Bounds JointLimits LimitOptions LimitsInForce viable_bounds",
-            "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH HtmpcConfig Objective "
+            "mpc": "DEFAULT_HTMPC HT_ARCH ST_ARCH HtmpcConfig Objective OtherRobot "
             "Plan SequenceRunner SequenceTask Start CollisionScene",
             "references": "MotionLimits ReferenceSchedule References Spline Target Trajectory "
             "Twist Waypoints base_spline timed_waypoints",
@@ -234,6 +237,7 @@ __all__ = [
     "Objective",
     "ObstacleConfig",
     "Obstacles",
+    "OtherRobot",
     "OwnTask",
     "Phase",
     "Plan",
@@ -289,5 +293,6 @@ __all__ = [
     "timed_waypoints",
     "track",
     "track_base",
+    "track_joints",
     "viable_bounds",
 ]

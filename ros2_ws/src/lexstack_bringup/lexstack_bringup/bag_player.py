@@ -22,6 +22,7 @@ from lexstack_bag.storage.selection import Selection
 from lexstack_bag.topics import PLANT_STATE
 from lexstack_bringup.live_peer import LivePeer
 from lexstack_interfaces.msg import PlantState
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_ros.node.calls import not_taken, wait_until
 from lexstack_ros.recorder.topics import message_class
@@ -73,7 +74,7 @@ class BagPlayer(Node):
         }
         self._clock = None
         if "/clock" not in container.topics and PLANT_STATE in self._publishers_by_topic:
-            self._clock = self.create_publisher(Clock, "/clock", STREAM)
+            self._clock = self.create_publisher(Clock, "clock", STREAM)
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -139,7 +140,7 @@ class BagPlayer(Node):
         recorded = metadata.get("topic_type_hash", "")
         if recorded and recorded != type_hash(kind):
             raise BagError(f"{topic}: {kind} is another type now than when it was recorded")
-        return self.create_publisher(message_class(kind), topic, _qos(metadata))
+        return self.create_publisher(message_class(kind), relative(topic), _qos(metadata))
 
     def _tell_time(self, state: Any) -> None:
         """Publish /clock where the bag has none."""

@@ -18,6 +18,7 @@ from lexstack_bag.run.run import Run
 from lexstack_bag.topics import COMMAND, REQUEST, SCENARIO, SOLUTION, TRANSITION
 from lexstack_interfaces.msg import Chi
 from lexstack_interfaces.srv import SwitchStack
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.calls import answer_of, lasting, wait_until
 from lexstack_ros.node.readiness import is_connected
@@ -76,9 +77,9 @@ class LivePeer:
         self._executor = executor
         self._patience = patience
         self._answers: dict[int, Any] = {}  # chi by tick
-        node.create_subscription(Chi, self.live.topics[0], self._on_chi, STREAM)
-        self._switch = node.create_client(SwitchStack, "/robot_a/switch_stack")
-        self._cancel = node.create_client(Trigger, "/robot_a/cancel_transition")
+        node.create_subscription(Chi, relative(self.live.topics[0]), self._on_chi, STREAM)
+        self._switch = node.create_client(SwitchStack, "robot_a/switch_stack")
+        self._cancel = node.create_client(Trigger, "robot_a/cancel_transition")
 
     def wait_connected(self) -> None:
         """Wait until it is there and connected for a while; raises BagError."""
@@ -110,6 +111,7 @@ class LivePeer:
                 method=wish.method,
                 at_tick=wish.at_tick,
                 robots=list(wish.robots),
+                stack_yaml=wish.text,
             )
             answer = self._call(self._switch, request)
             if not answer.accepted:

@@ -6,8 +6,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-from geometry_msgs.msg import PoseStamped
 from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.node import Node
@@ -15,22 +13,22 @@ from rclpy.publisher import Publisher
 from std_srvs.srv import SetBool
 
 from lexstack.errors import LexstackError
-from lexstack.robots import Pose, from_rpy, to_quaternion
-from lexstack.types import Vector
+from lexstack_bringup.event_messages import TYPES, messages_of
 from lexstack_bringup.processes import RECORDER, nodes_of
 from lexstack_bringup.sequence_client import SequenceClient
 from lexstack_bringup.streams import Streams
 from lexstack_config.resolved import ResolvedScenario
-from lexstack_config.scenario import EventConfig, pose_from_config
+from lexstack_config.scenario import EventConfig
 from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
-from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.calls import answer_of, let_be_known, not_taken, wait_until
 from lexstack_ros.node.readiness import is_connected
 
 PLAYER = "scenario_player"
 _LEAD = 1.0  # s, how long before its time an event is sent in realtime
+_BURST = 20  # messages, fewer than a listener's queue holds
+_ALWAYS = ("ee_target", "base_target")  # streams go there too
 _ANSWER = 10.0  # s of wall time to wait for a service
 
 
@@ -42,9 +40,19 @@ class Player(Node):
     """The user of a run: all it does, anybody can do by topic and service."""
 
     def __init__(
-        self, resolved: ResolvedScenario, executor: Executor, context: Context | None = None
+        self,
+        resolved: ResolvedScenario,
+        executor: Executor,
+        context: Context | None = None,
+        *,
+        simulated: bool = True,
+        enable: bool = True,
     ) -> None:
-        """Prepare to play; ``executor``, of the same ``context``, runs this node too."""
+        """Prepare to play; ``executor``, of the same ``context``, runs this node too.
+
+        Robots that are not ``simulated`` are enabled by the player, or with ``enable=False`` by
+        somebody else, for whom it waits.
+        """
         super().__init__(PLAYER, context=context)
         self._scenario = resolved.scenario
         self._executor = executor
@@ -52,19 +60,27 @@ class Player(Node):
         self.state: PlantState | None = None
         self.transition: TransitionStatus | None = None
         self.adopted: list[str] = []
+        self._resolved = resolved
         self._targets: dict[str, Publisher] = {
-            f"/{name}/{kind}": self.create_publisher(PoseStamped, f"/{name}/{kind}", STREAM)
+            f"/{name}/{kind}": self.create_publisher(message, f"{name}/{kind}", STREAM)
             for name in resolved.scenario.robots
-            for kind in ("ee_target", "base_target")
+            for kind, message in TYPES.items()
+            if kind in _ALWAYS or any(getattr(e, kind) for e in resolved.scenario.events)
         }
         self._streams = Streams(resolved, self._targets) if resolved.scenario.streams else None
-        self._switch = self.create_client(SwitchStack, "/robot_a/switch_stack")
-        self._pause = self.create_client(SetBool, "/sim_bridge/pause")
+        self._switch = self.create_client(SwitchStack, "robot_a/switch_stack")
+        starts = ["sim_bridge/pause"]
+        if not simulated:
+            starts = [f"{name}/enable" for name in resolved.scenario.robots]
+        self._starts = {name: self.create_client(SetBool, name) for name in starts}
+        self._simulated, self._enable = simulated, enable
+        self._ran = False  # whether ticks have begun
         plans = resolved.scenario.plans
         self._sequences = SequenceClient(self, resolved.scenario) if plans else None
-        self._peers = [node for node in nodes_of(resolved.scenario) if node != RECORDER]
-        self.create_subscription(PlantState, "/plant/state", self._on_state, STREAM)
-        self.create_subscription(TransitionStatus, "/robot_a/transition", self._on_status, STREAM)
+        nodes = nodes_of(resolved.scenario, simulated=simulated)
+        self._peers = [node for node in nodes if node != RECORDER]
+        self.create_subscription(PlantState, "plant/state", self._on_state, STREAM)
+        self.create_subscription(TransitionStatus, "robot_a/transition", self._on_status, STREAM)
 
     def play(self, watch: Callable[[], None], timeout: float) -> None:
         """Play the whole scenario.
@@ -87,11 +103,19 @@ class Player(Node):
         if self._scenario.mode == "realtime":
             lead = min(lead, _LEAD)
         events = self._send_due(events, lead)
-        self._release()
+        if self._enable:
+            self._release()
+        else:
+            print("waits for /NAME/enable of every robot", flush=True)
 
         def go_on() -> None:
             nonlocal events
             watch()
+            if self._ran and not self._simulated and self._paused and not self._finished():
+                raise ScenarioFailedError(
+                    f"the robots were braked and disabled at tick {self.tick}; "
+                    "the log of plant_adapter says why"
+                )
             events = self._send_due(events, self._now() + lead)
 
         self._until(self._finished, "the scenario's end", go_on, end)
@@ -107,11 +131,12 @@ class Player(Node):
         """Send the events up to a time [s]; return the others."""
         due = [event for event in events if event.at <= until]
         for event in due:
-            self._send_targets(event)
-        # The run shall not depend on luck.
-        if due and self._scenario.mode == "lockstep":
-            for topic in not_taken(self._targets.values(), _ANSWER):
-                raise ScenarioFailedError(f"{topic}: not taken by all listeners in {_ANSWER:g} s")
+            for sent, (topic, message) in enumerate(messages_of(event, self._resolved), start=1):
+                self._targets[topic].publish(message)
+                if not sent % _BURST:
+                    self._see_taken()
+        if due:
+            self._see_taken()
         for event in due:
             if event.switch:
                 self._send_switch(event)
@@ -119,18 +144,11 @@ class Player(Node):
                 self._sequences.send(event, self._call)
         return events[len(due) :]
 
-    def _send_targets(self, event: EventConfig) -> None:
-        """Publish an event's targets, to take effect at its time."""
-        for name, config in event.ee_target.items():
-            pose = pose_from_config(config)
-            self._publish(f"/{name}/ee_target", pose, np.array(config.orientation), event.at)
-        for name, (x, y, yaw) in event.base_target.items():
-            pose = Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))
-            self._publish(f"/{name}/base_target", pose, to_quaternion(pose.rotation), event.at)
-
-    def _publish(self, topic: str, pose: Pose, quaternion: Vector, at: float) -> None:
-        """Publish one target."""
-        self._targets[topic].publish(pose_message(pose, at, quaternion))
+    def _see_taken(self) -> None:
+        """Wait until all listeners have what was sent: a lockstep run shall not depend on luck."""
+        if self._scenario.mode == "lockstep":
+            for topic in not_taken(self._targets.values(), _ANSWER):
+                raise ScenarioFailedError(f"{topic}: not taken by all listeners in {_ANSWER:g} s")
 
     def _send_switch(self, event: EventConfig) -> None:
         """Ask the controller to switch its stack at the event's time."""
@@ -146,10 +164,11 @@ class Player(Node):
         self.get_logger().info(answer.message)
 
     def _release(self) -> None:
-        """Let simulated time run."""
-        answer = self._call(self._pause, SetBool.Request(data=False))
-        if not answer.success:
-            raise ScenarioFailedError(f"/sim_bridge/pause refused: {answer.message}")
+        """Let simulated time run, or enable the robots."""
+        for name, client in self._starts.items():
+            answer = self._call(client, SetBool.Request(data=not self._simulated))
+            if not answer.success:
+                raise ScenarioFailedError(f"{name} refused: {answer.message}")
 
     def _call(self, client: Any, request: Any) -> Any:
         """Return a service's answer; raises NoAnswerError when none comes in time."""
@@ -170,15 +189,19 @@ class Player(Node):
             self.state is not None
             and is_connected(self, self._peers)
             and self._switch.service_is_ready()
-            and self._pause.service_is_ready()
+            and all(client.service_is_ready() for client in self._starts.values())
             and (self._sequences is None or self._sequences.ready)
         )
 
     def _finished(self) -> bool:
         """Return whether the plant stands still after the last tick."""
         last = round(self._scenario.duration * self._scenario.rate)
-        state = self.state
-        return state is not None and state.tick >= last and state.status == PlantState.PAUSED
+        return self.tick >= last and self._paused
+
+    @property
+    def _paused(self) -> bool:
+        """Whether the plant stands still."""
+        return self.state is not None and self.state.status == PlantState.PAUSED
 
     def _now(self) -> float:
         """Return simulated time [s]."""
@@ -186,6 +209,7 @@ class Player(Node):
 
     def _on_state(self, message: PlantState) -> None:
         self.state = message
+        self._ran |= message.status != PlantState.PAUSED
         if self._streams is not None and message.status != PlantState.PAUSED:
             self._streams.publish(self._now())
 

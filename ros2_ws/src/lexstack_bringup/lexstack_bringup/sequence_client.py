@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from rclpy.action import ActionClient
@@ -37,8 +38,8 @@ class SequenceClient:
         self._node = node
         self._scenario = scenario
         self._tasks = {name: tasks_of(entry) for name, entry in scenario.sequences.items()}
-        self._action = ActionClient(node, ExecuteSequence, "/htmpc/execute_sequence")
-        self._change = node.create_client(ChangeSequence, "/htmpc/change_sequence")
+        self._action = ActionClient(node, ExecuteSequence, "htmpc/execute_sequence")
+        self._change = node.create_client(ChangeSequence, "htmpc/change_sequence")
 
     @property
     def ready(self) -> bool:
@@ -83,8 +84,7 @@ class SequenceClient:
         message = TaskMessage(name=change.task)
         if change.change == "retarget":
             task = self._task(change.robot, change.task)
-            moved = SequenceTask(task.name, task.kind, change.points)
-            message.points = task_message(moved).points
+            message = task_message(replace(task, points=change.points))
         return ChangeSequence.Request(
             robot=change.robot, change=_CHANGES[change.change], task=message, at_tick=tick
         )

@@ -10,6 +10,7 @@ from lexstack.errors import ConfigurationError, InputError, ModelError
 from lexstack.mpc import Reach, tasks_of
 from lexstack.robots import RobotModel
 from lexstack.tasks import plan_stack
+from lexstack_config.event_targets import check_trajectories
 from lexstack_config.folders import Folders
 from lexstack_config.parts import Parts
 from lexstack_config.resolved import ResolvedScenario
@@ -42,6 +43,7 @@ def checked(
             raise ConfigurationError(f"{folders.find('robots', model)}: {text}") from error
     parts = Parts.of(resolved, folders)
     _check_sequences(resolved, parts, where)
+    check_trajectories(resolved.scenario, parts.team, where)
     stacks = {name: config for name, config in resolved.stacks.items() if name in parts.stacks}
     return replace(resolved, stacks=stacks, unfit=dict(parts.unfit))
 

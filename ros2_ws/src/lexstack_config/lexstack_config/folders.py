@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-KINDS = ("robots", "stacks", "htmpc")
+KINDS = ("robots", "stacks", "htmpc", "plants")
 """The folders of a configuration folder whose files a scenario names."""
 
 
@@ -14,7 +14,8 @@ KINDS = ("robots", "stacks", "htmpc")
 class Folders:
     """Configuration folders, searched in their order: the first that has a file wins.
 
-    A folder has its files in ``robots/``, ``stacks/`` and ``htmpc/``, or beside each other.
+    A folder has its files in ``robots/``, ``stacks/``, ``htmpc/`` and ``plants/``, or beside each
+    other.
 
     Attributes:
         folders: the last one is where a file is missed that no folder has.

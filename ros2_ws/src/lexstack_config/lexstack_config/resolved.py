@@ -54,22 +54,16 @@ class ResolvedScenario:
         mounted = {
             name for name, place in scenario.robots.items() if self.robots[place.model].base is None
         }
-        asked = [("base_target", scenario.base_target)]
-        asked += [
-            (f"events[{i}].base_target", e.base_target) for i, e in enumerate(scenario.events)
-        ]
+        asked: list[tuple[str, Mapping[str, object]]] = [("base_target", scenario.base_target)]
+        for i, event in enumerate(scenario.events):
+            asked.append((f"events[{i}].base_target", event.base_target))
+            asked.append((f"events[{i}].base_path", event.base_path))
         for i, stream in enumerate(scenario.streams):
             if stream.target == "base":
                 asked.append((f"streams[{i}].target", {stream.robot: stream.swing}))
         for key, targets in asked:
             for name in mounted.intersection(targets):
                 raise ConfigurationError(f"{where}: {key}: robot {name!r} has no base")
-        for name, sequence in scenario.sequences.items():
-            if sequence.robot in mounted:
-                raise ConfigurationError(
-                    f"{where}: sequences.{name}: robot {sequence.robot!r} has no base, "
-                    "and the MPC needs one"
-                )
         for name, place in scenario.robots.items():
             if name not in mounted and place.z:
                 raise ConfigurationError(

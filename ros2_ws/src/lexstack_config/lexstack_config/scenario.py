@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -25,7 +26,15 @@ from lexstack.options import (
 from lexstack.robots import ObstacleConfig, Vector3
 from lexstack.transition import TransitionConfig
 from lexstack_config.plant import PlantConfig
+from lexstack_config.reference_topics import ReferenceTopicsConfig
 from lexstack_config.stream import StreamConfig
+from lexstack_config.trajectories import (
+    PathConfig,
+    PostureWayConfig,
+    Quaternion,
+    TwistEventConfig,
+    WayConfig,
+)
 
 if TYPE_CHECKING:
     from lexstack.robots import Pose
@@ -37,7 +46,6 @@ _Module = Annotated[
         "a module has a Python name, with dots between its parts",
     ),
 ]
-_Quaternion = tuple[Finite, Finite, Finite, Finite]
 Mode = Literal["lockstep", "realtime"]
 _FASTEST = 1000.0  # Hz, the plant's own steps
 _LONGEST = 1e6  # s, 11 days
@@ -63,7 +71,7 @@ class PoseConfig:
     """A pose in the world frame."""
 
     position: Finite3  # m
-    orientation: _Quaternion  # x, y, z, w
+    orientation: Quaternion  # x, y, z, w
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError unless the quaternion has unit length."""
@@ -125,8 +133,18 @@ class EventConfig:
     ee_target: dict[str, PoseConfig] = field(default_factory=dict)  # by robot
     # by robot: x [m], y [m], yaw [rad]
     base_target: dict[str, Vector3] = field(default_factory=dict)
+    ee_trajectory: dict[str, WayConfig] = field(default_factory=dict)  # by robot
+    ee_twist: dict[str, TwistEventConfig] = field(default_factory=dict)  # by robot
+    base_path: dict[str, PathConfig] = field(default_factory=dict)  # by robot
+    posture_trajectory: dict[str, PostureWayConfig] = field(default_factory=dict)  # by robot
     execute: tuple[str, ...] = ()  # names of sequences that begin
     changes: tuple[SequenceChangeConfig, ...] = ()  # of sequences that are under way
+
+
+TARGETS = (
+    *("ee_target", "base_target", "ee_trajectory", "ee_twist", "base_path", "posture_trajectory"),
+)
+"""Keys of an event that set references, by robot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,13 +169,15 @@ class ScenarioConfig:
     plant: PlantConfig = field(default_factory=PlantConfig)  # default: as its model says
     timeouts: TimeoutsConfig = field(default_factory=TimeoutsConfig)  # how long who waits for whom
     lead_in: NotNegative = 0.5  # s, in which a reference moves to a new target; 0: it steps
+    # what topics of references leave open
+    references: ReferenceTopicsConfig = field(default_factory=ReferenceTopicsConfig)
     limit_jerk: bool = False  # at every tick, not only in transitions by bridge_jerk
     # the MPC, where there are sequences
     htmpc: HtmpcRunConfig = field(default_factory=HtmpcRunConfig)
     sequences: dict[str, SequenceConfig] = field(default_factory=dict)  # by name
     streams: tuple[StreamConfig, ...] = ()  # of targets
     solvers: int = 1  # processes that solve for the controller, each for some of the robots
-    solver: str = "daqp"  # a key of lexstack.hqp.SOLVERS
+    solver: str = "kernel"  # a key of lexstack.hqp.SOLVERS
     mode: Mode = "lockstep"  # wait for every tick's answers, or follow the clock
     seed: int = 0  # of everything random
     extensions: tuple[_Module, ...] = ()  # Python modules that register methods, solvers, tasks
@@ -181,15 +201,12 @@ class ScenarioConfig:
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for unknown robots and values out of range."""
         self._check_counts(where)
-        targets: list[tuple[str, dict[str, PoseConfig] | dict[str, Vector3]]] = [
+        targets: list[tuple[str, Mapping[str, object]]] = [
             ("ee_target", self.ee_target),
             ("base_target", self.base_target),
         ]
         for i, event in enumerate(self.events):
-            targets += [
-                (f"events[{i}].ee_target", event.ee_target),
-                (f"events[{i}].base_target", event.base_target),
-            ]
+            targets += [(f"events[{i}].{key}", getattr(event, key)) for key in TARGETS]
             if event.at >= self.duration:
                 raise ConfigurationError(f"{where}: events[{i}].at: after the scenario's end")
         pushed = [(f"plant.pushes[{i}]", [push.robot]) for i, push in enumerate(self.plant.pushes)]

@@ -13,4 +13,4 @@ class IdealPlant(ExactPlant):
 
     def __init__(self, resolved: ResolvedScenario, team: Team) -> None:
         """Start at rest."""
-        super().__init__(home_of(team, resolved), 1.0 / resolved.scenario.rate)
+        super().__init__(home_of(team, resolved), 1.0 / resolved.scenario.rate, team)

@@ -13,6 +13,7 @@ from lexstack.references import References, Target
 from lexstack.robots import Team
 from lexstack.transition import Announcement, SourceSample
 from lexstack.types import RobotState
+from lexstack_config.event_targets import trajectory_targets
 from lexstack_config.parts import Parts, build_controller, build_stack_solver
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.scenario import EventConfig, pose_from_config
@@ -61,7 +62,8 @@ class Loop(Lockstep):
         )
         self.record = Record()
         for event in resolved.scenario.events:
-            for target in targets_of(event, self.parts.team):
+            moving = trajectory_targets(event, self.parts.team, resolved.scenario.references)
+            for target in (*targets_of(event, self.parts.team), *moving):
                 self.add_target(target)
             ask_switch(self.controller, event, resolved.scenario.rate)
 

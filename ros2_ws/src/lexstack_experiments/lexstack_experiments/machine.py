@@ -9,7 +9,7 @@ from functools import cache
 
 from lexstack_bag.run.provenance import UNKNOWN, installed_version, source_commit
 
-_PACKAGES = ("numpy", "scipy", "pin", "daqp", "proxsuite", "mujoco")
+_PACKAGES = ("numpy", "scipy", "pin", "daqp", "numba", "proxsuite", "mujoco")
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,6 +39,11 @@ class Pacer:
         self._begun = 0.0
         self._scheduled = 0.0
 
+    @property
+    def due(self) -> float:
+        """When the present tick ends, without what it is late by [s] (realtime)."""
+        return self._scheduled + self._period
+
     def start(self, now: float) -> None:
         """Let the next tick begin at ``now``: after a pause, or at the start."""
         self._alive = True

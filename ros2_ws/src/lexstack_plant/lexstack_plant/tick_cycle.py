@@ -3,14 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Protocol
 
 from lexstack.errors import InputError
+from lexstack.types import PlantStatus as Status
 from lexstack.types import RobotState, Vector
 from lexstack_plant.pacing import Pacer
-from lexstack_sim.plant import Plant
-from lexstack_sim.plant_state import Status
 
 _PAUSED_PERIOD = 0.1  # s of wall time between two publications of a paused plant
+
+
+class TickedPlant(Protocol):
+    """What a cycle needs of a plant.
+
+    Attributes:
+        seed: of everything random in it.
+    """
+
+    seed: int
+
+    @property
+    def status(self) -> Status:
+        """What the plant did in its last tick."""
+        ...
+
+    def state(self) -> RobotState:
+        """Return the present state."""
+        ...
+
+    def step(self, chi: Vector | None) -> RobotState:
+        """Advance by one tick under a command (n,), or without one, and return the new state."""
+        ...
+
+    def reset(self, seed: int) -> RobotState:
+        """Begin anew at tick 0, and return that state."""
+        ...
 
 
 class TickCycle:
@@ -28,7 +55,7 @@ class TickCycle:
 
     def __init__(
         self,
-        plant: Plant,
+        plant: TickedPlant,
         pacer: Pacer,
         last_tick: int,
         publish: Callable[[RobotState, Status], None],

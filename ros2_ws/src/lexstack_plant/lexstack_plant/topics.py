@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Sequence
-
 import numpy as np
-from geometry_msgs.msg import PoseStamped, TransformStamped
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -17,6 +14,7 @@ from std_msgs.msg import String
 from lexstack.robots import RobotModel, Team, to_quaternion
 from lexstack.types import RobotState, Vector
 from lexstack_interfaces.msg import PlantState
+from lexstack_plant.frames import FrameTopics
 from lexstack_ros.messages.conversions import WORLD, to_array, to_time
 from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_ros.node.sole_sender import sender_name
@@ -31,20 +29,26 @@ _TOOLS_RATE = 50.0  # Hz of simulated time
 class PlantTopics:
     """/plant/state at every tick, /clock, and what tools show of each robot."""
 
-    def __init__(self, node: Node, team: Team, rate: float) -> None:
-        """Create the publishers for ticks at ``rate`` [Hz]; publish the robots' descriptions."""
+    def __init__(self, node: Node, team: Team, rate: float, *, tools: bool = True) -> None:
+        """Create the publishers for ticks at ``rate`` [Hz]; publish the robots' descriptions.
+
+        Without ``tools`` there is /plant/state alone: real robots have clock and topics of their
+        own.
+        """
         self._state = PlantState(robots=list(team.names), sender=sender_name(node))
         self._state.header.frame_id = WORLD
+        self._state_out = node.create_publisher(PlantState, "plant/state", STREAM)
+        if not tools:
+            return
         self._clock = Clock()
-        self._state_out = node.create_publisher(PlantState, "/plant/state", STREAM)
-        self._clock_out = node.create_publisher(Clock, "/clock", STREAM)
+        self._clock_out = node.create_publisher(Clock, "clock", STREAM)
         self._clock_every = max(1, round(rate / _CLOCK_RATE))
         self._tools_every = max(1, round(rate / _TOOLS_RATE))
         self._robots = [
             (_RobotTopics(node, robot), at, part)
             for robot, at, part in zip(team.robots, team.q_slices, team.slices, strict=True)
         ]
-        self._frames = tie_frames(node, team.names)
+        self._frames = FrameTopics(node, team)
 
     def publish(
         self, state: RobotState, status: Status, late_ticks: int, missing: int, commander: str
@@ -72,30 +76,7 @@ class PlantTopics:
         if state.tick % self._tools_every == 0:
             for topics, at, part in self._robots:
                 topics.publish(state.stamp, state.q[at], state.v[part], effort[at])
-
-
-def tie_frames(node: Node, names: Sequence[str]) -> Publisher | None:
-    """Publish once, to /tf_static, that every robot's frame NAME/world is the frame world.
-
-    robot_state_publisher makes the rest from robot_description and joint_states, with the
-    frame_prefix ``NAME/``: its tree begins at NAME/world, REP-105. Only where tf2_msgs is
-    installed, as with a native ROS; the wheels have none, and then this returns None.
-    """
-    try:
-        kind = importlib.import_module("tf2_msgs.msg").TFMessage
-    except ImportError:
-        return None
-    out = node.create_publisher(kind, "/tf_static", LATCHED)
-    out.publish(kind(transforms=[tied(name) for name in names]))
-    return out
-
-
-def tied(name: str) -> TransformStamped:
-    """Return the identity from ``world`` to a robot's root frame."""
-    result = TransformStamped(child_frame_id=f"{name}/world")
-    result.header.frame_id = WORLD
-    result.transform.rotation.w = 1.0
-    return result
+            self._frames.publish(state.stamp, state.q)
 
 
 class _RobotTopics:
@@ -115,12 +96,12 @@ class _RobotTopics:
         self._odometry = Odometry(child_frame_id=f"{name}/base")
         for message in (self._joints, self._pose, self._odometry):
             message.header.frame_id = WORLD
-        self._joints_out = node.create_publisher(JointState, f"/{name}/joint_states", STREAM)
-        self._pose_out = node.create_publisher(PoseStamped, f"/{name}/ee_pose", STREAM)
+        self._joints_out = node.create_publisher(JointState, f"{name}/joint_states", STREAM)
+        self._pose_out = node.create_publisher(PoseStamped, f"{name}/ee_pose", STREAM)
         self._odometry_out = (
-            node.create_publisher(Odometry, f"/{name}/odom", STREAM) if robot.has_base else None
+            node.create_publisher(Odometry, f"{name}/odom", STREAM) if robot.has_base else None
         )
-        self._description_out = node.create_publisher(String, f"/{name}/robot_description", LATCHED)
+        self._description_out = node.create_publisher(String, f"{name}/robot_description", LATCHED)
         self._description_out.publish(String(data=robot_urdf(robot)))
 
     def publish(self, stamp: float, q: Vector, v: Vector, effort: Vector) -> None:

@@ -66,7 +66,11 @@ class PlayedRun(ABC):
         self.path = out / "scenario.yaml"
         self.path.write_text(resolved.to_yaml(), encoding="utf-8")
         self.executor = EventsExecutor(context=context)
-        self.player = Player(resolved, self.executor, context)
+        self.player = self.make_player()
+
+    def make_player(self) -> Player:
+        """Return who plays the scenario."""
+        return Player(self.resolved, self.executor, self.context)
 
     @abstractmethod
     def bring_up(self) -> None:

@@ -176,6 +176,6 @@ def test_a_task_of_another_length_raises():
 
 
 def test_an_unknown_solver_is_told_the_known_ones():
-    known = r"unknown solver 'mosek'; known: daqp, proxqp.* lexstack_experiments\.solvers$"
+    known = r"unknown solver 'mosek'; known: kernel, daqp, proxqp.* lexstack_experiments\.solvers$"
     with pytest.raises(ConfigurationError, match=known):
         make_solver("mosek")

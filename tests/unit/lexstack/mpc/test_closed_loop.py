@@ -18,6 +18,7 @@ from lexstack.mpc import (
     hold,
     steps,
 )
+from lexstack.robots import to_quaternion
 from lexstack_experiments.baselines.htidkc import Htidkc, load_htidkc
 from lexstack_experiments.baselines.htloop import (
     Track,
@@ -103,12 +104,13 @@ def test_a_waypoint_is_reached_with_the_base_on_its_line():
 
 def test_a_pose_is_reached():
     pose = robot().tool(HOME)[0]
-    turned = np.array([*pose.position, *RobotPose.of(robot(), 0.0, HOME).value("ee_pose")[3:]])
+    task = SequenceTask("t", "ee_pose", ((*pose.position, *to_quaternion(pose.rotation)),))
+    turned = RobotPose.of(robot(), 0.0, HOME).value(task)
     turned[:3] += [0.2, -0.1, 0.1]
     turned[3:] += [0.2, 0.1, -0.1, 0.1]
     turned[3:] /= np.linalg.norm(turned[3:])
     record = follow_htmpc(optimiser(), HOME, (Track("ee_pose", hold(turned)),), 6.0)
-    distance, angle = RobotPose.of(robot(), 6.0, record.q[-1]).errors("ee_pose", turned)
+    distance, angle = RobotPose.of(robot(), 6.0, record.q[-1]).errors(task, turned)
     assert distance < 2e-3
     assert angle < 5e-3
 

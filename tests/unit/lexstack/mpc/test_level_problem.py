@@ -20,7 +20,7 @@ def problem(which, seed, obstacles=True, **changes):
     rng = np.random.default_rng(seed)
     start = random_start(rng, which, wild=1.2)
     objectives = random_objectives(rng, start, solver)
-    tasks = [Task(objective, own, solver.robot.n) for objective in objectives]
+    tasks = [Task(objective, own, solver.robot) for objective in objectives]
     centers = start.q[:3] + rng.uniform(-1.5, 1.5, (5, 2, 3))
     around = CollisionScene(centers, np.array(RADII)) if obstacles else None
     u = rng.normal(size=(5, solver.robot.n))
@@ -100,9 +100,11 @@ def test_hessian_is_the_exact_one_where_nothing_is_left_out(level):
         type(task)(
             type(task.objective)(task.objective.name, task.objective.kind, reference),
             solver.config,
-            solver.robot.n,
+            solver.robot,
         )
-        for task, reference in zip(tasks, (iterate.at.position, iterate.q[1:, :2]), strict=True)
+        for task, reference in zip(
+            tasks, (iterate.at.tool.position, iterate.q[1:, :2]), strict=True
+        )
     ]
     task = reached[level]
     hessian = parts.quadratic(iterate, task).hessian

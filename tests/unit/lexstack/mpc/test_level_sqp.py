@@ -109,14 +109,14 @@ def test_the_tolerance_stands_in_the_line_search_and_nowhere_else():
     """Trap: in the QP and in the line search it would count twice."""
     solver = optimiser(tolerance=0.01, second_order_correction=False)
     _, objectives = hold_and_reach(solver)
-    task = Task(objectives[0], solver.config, 9)
+    task = Task(objectives[0], solver.config, robot())
     for delta in (0.0, 0.01, 0.5):
         own = dataclasses.replace(
             solver.config, ee=dataclasses.replace(solver.config.ee, tolerance=delta)
         )
-        task = Task(objectives[0], own, 9)
+        task = Task(objectives[0], own, robot())
         best = np.full((10, 3), 0.02)
-        constraint = LexicographicConstraint(0, task, best, "axis", solver.horizon)
+        constraint = LexicographicConstraint(0, task, best, "axis")
         np.testing.assert_array_equal(constraint.upper, 0.02)
         np.testing.assert_array_equal(constraint.lower, -0.02)
         assert constraint.excess(best + delta)[0] <= 1e-12
@@ -129,12 +129,12 @@ def test_rows_of_guards_are_those_of_differences(kind):
     solver = optimiser(hard_limits=False)
     rng = np.random.default_rng(9)
     start = random_start(rng)
-    task = Task(random_objectives(rng, start, solver)[0], solver.config, 9)
+    task = Task(random_objectives(rng, start, solver)[0], solver.config, robot())
     program = solver.program(start)
     u = rng.normal(size=(10, 9))
     at = program.iterate(u).at
-    constraint = LexicographicConstraint(0, task, task.error(at), kind, solver.horizon)
-    rows = constraint.rows(at, task.error(at))
+    constraint = LexicographicConstraint(0, task, task.error(at), kind)
+    rows = constraint.rows(at, task.error(at), solver.horizon.sensitivity(start.q, start.v, u))
     for _ in range(10):
         d = rng.normal(size=u.shape)
         there, back = (

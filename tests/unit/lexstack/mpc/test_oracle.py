@@ -57,7 +57,7 @@ def converged(name, hard, equal=False):
 def total(solver, start, objectives, plan, level):
     """Return H(9a) of a level at a plan."""
     program = solver.program(start)
-    return program.cost(program.iterate(plan.u), Task(objectives[level], solver.config, 9))
+    return program.cost(program.iterate(plan.u), Task(objectives[level], solver.config, robot()))
 
 
 @pytest.mark.slow
@@ -88,7 +88,7 @@ def test_gap_of_the_first_level(iterations, gap):
     for start, objectives, levels in converged("lexstack", True):
         program = solver.program(start)
         guess = solver.horizon.braking(start.v, robot().limits.acceleration)
-        task = Task(objectives[0], solver.config, 9)
+        task = Task(objectives[0], solver.config, robot())
         first = program.cost(program.iterate(guess), task)
         plan = solver.solve(start, objectives[:1])
         ours = total(solver, start, objectives, plan, 0)
@@ -135,7 +135,7 @@ def test_distances_are_in_the_oracle_too():
     best = oracle.solve(state, objectives, np.zeros((10, 9)), 1.0, around)[0]
     plan = solver.solve(start, objectives[:1], None, around)
     program = solver.program(start, None, around)
-    task = Task(objectives[0], own, 9)
+    task = Task(objectives[0], own, robot())
     assert best.converged
     assert program.cost(program.iterate(best.u), task) == pytest.approx(best.total, rel=1e-8)
     # The way around an obstacle has two sides: IPOPT may end on the worse one.

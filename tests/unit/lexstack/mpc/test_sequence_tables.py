@@ -7,7 +7,7 @@ import typing
 import pytest
 import yaml
 
-from lexstack.mpc import MEASURES, Kind, SequenceTask, SequenceTaskConfig
+from lexstack.mpc import COLUMNS, Kind, SequenceTask, SequenceTaskConfig
 from lexstack_interfaces.msg import SequenceTask as Message
 from support.scenario import ROOT
 
@@ -24,12 +24,15 @@ def table(head):
 
 def test_every_kind_stands_in_the_table_with_its_coordinates():
     rows = {row[0]: row[2] for row in table("kind")}
-    assert set(rows) == set(MEASURES) == set(typing.get_args(Kind))
+    assert set(rows) == set(COLUMNS) == set(typing.get_args(Kind))
     hint = typing.get_type_hints(SequenceTaskConfig)["kind"]
     assert set(rows) == set(typing.get_args(hint))
     for kind, text in rows.items():
-        names = text.replace("and the quaternion", "").replace(",", " ").split()
-        assert len(names) == MEASURES[kind].columns, kind
+        if COLUMNS[kind] is None:
+            assert text == "one position per joint"
+            continue
+        names = text.replace("and the quaternion", "").replace("the quaternion", "")
+        assert len(names.replace(",", " ").split()) == COLUMNS[kind], kind
 
 
 def test_every_key_stands_in_the_table_with_its_default():
@@ -38,8 +41,9 @@ def test_every_key_stands_in_the_table_with_its_default():
         field.name: "–" if field.default is dataclasses.MISSING else field.default
         for field in dataclasses.fields(SequenceTaskConfig)
     }
-    assert told == wanted
-    assert set(told) == set(Message.get_fields_and_field_types())
+    assert told == {**wanted, "joints": list(wanted["joints"])}
+    # Positions of joints are no poses: in the message they have a list of their own.
+    assert {*told, "positions"} == set(Message.get_fields_and_field_types())
 
 
 @pytest.mark.parametrize("name", ["tolerance", "tolerance_angle", "dwell", "held"])

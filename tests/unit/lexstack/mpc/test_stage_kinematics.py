@@ -22,9 +22,9 @@ def test_tool_and_spheres_are_those_of_pinocchio(which):
     at = stages.at(q)
     for k in range(8):
         pose, jacobian = model.tool(q[k])
-        np.testing.assert_allclose(at.position[k], pose.position, atol=1e-12)
-        np.testing.assert_allclose(at.rotation[k], pose.rotation, atol=1e-12)
-        np.testing.assert_allclose(at.jacobian[k], jacobian, atol=1e-12)
+        np.testing.assert_allclose(at.tool.position[k], pose.position, atol=1e-12)
+        np.testing.assert_allclose(at.tool.rotation[k], pose.rotation, atol=1e-12)
+        np.testing.assert_allclose(at.tool.jacobian[k], jacobian, atol=1e-12)
         np.testing.assert_allclose(at.centers[k], sphere_centers(which, q[k]), atol=1e-12)
 
 
@@ -36,14 +36,14 @@ def test_jacobians_are_those_of_differences(which):
     at = stages.at(q[None])
     for joint in range(model.n):
         moved = [stages.at((q + s * STEP * np.eye(model.n)[joint])[None]) for s in (1, -1)]
-        for name, slope in (
-            ("position", at.jacobian[0, :3, joint]),
-            ("centers", at.slopes[0, :, joint].reshape(-1, 3)),
+        for (there, back), slope in (
+            ([m.tool.position[0] for m in moved], at.tool.jacobian[0, :3, joint]),
+            ([m.centers[0] for m in moved], at.slopes[0, :, joint].reshape(-1, 3)),
         ):
-            there, back = (getattr(m, name)[0] for m in moved)
             np.testing.assert_allclose((there - back) / (2 * STEP), slope, atol=1e-8)
-        turn = (moved[0].rotation[0] - moved[1].rotation[0]) / (2 * STEP) @ at.rotation[0].T
-        w = at.jacobian[0, 3:, joint]
+        there, back = (m.tool.rotation[0] for m in moved)
+        turn = (there - back) / (2 * STEP) @ at.tool.rotation[0].T
+        w = at.tool.jacobian[0, 3:, joint]
         skew = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
         np.testing.assert_allclose(turn, skew, atol=1e-8)
 
@@ -52,9 +52,9 @@ def test_an_answer_does_not_change_with_the_next_call():
     model = robot()
     stages = StageModel(model, 2, spheres_of("ur10_ridgeback"))
     first = stages.at(np.zeros((2, model.n)))
-    kept = (first.position.copy(), first.slopes.copy())
+    kept = (first.tool.position.copy(), first.slopes.copy())
     stages.at(np.ones((2, model.n)))
-    np.testing.assert_array_equal(first.position, kept[0])
+    np.testing.assert_array_equal(first.tool.position, kept[0])
     np.testing.assert_array_equal(first.slopes, kept[1])
 
 

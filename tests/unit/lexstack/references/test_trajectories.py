@@ -22,7 +22,6 @@ from lexstack.references import (
     TwistStream,
     Waypoints,
     base_spline,
-    encode,
     timed_waypoints,
 )
 from lexstack.references.set_point import led, led_onto
@@ -46,14 +45,29 @@ def some_poses(count=4, seed=1):
 
 WAY = Waypoints([0.5, 1.5, 2.0, 4.0], some_poses())
 TWO = Waypoints([0.0, 2.0], some_poses(2))
+TURNING = Waypoints(
+    [0.5, 1.5, 2.0, 4.0],
+    some_poses(),
+    [[0.2, 0, 0.1, 0.3, 0, -0.2], [0.5, 0.1, 0, 0.2, 0.2, 0], [0, -0.3, 0, 0, 0, 0.4], [0.0] * 6],
+)
 STREAM = TwistStream.begun(WAY, 1.2, Twist(np.array([0.2, 0, 0.1, 0.5, -0.3, 0.4]), timeout=1.0))
 HASTY = TwistStream.begun(WAY, 1.2, Twist(np.array([0.9, 0, 0.1, 0.5, -0.3, 0.4]), timeout=0.05))
 FED = led(WAY, ORIGIN, 1.2, 0.8, POSES)
 ONTO = led_onto(SetPoint(ORIGIN), WAY, 1.0, 0.8, POSES)
-POSE_KINDS = {"way": WAY, "two": TWO, "stream": STREAM, "hasty": HASTY, "fed": FED, "onto": ONTO}
+POSE_KINDS = {
+    "way": WAY,
+    "two": TWO,
+    "stream": STREAM,
+    "hasty": HASTY,
+    "fed": FED,
+    "onto": ONTO,
+    "turning": TURNING,
+}
 PLACES = base_spline([0.0, 1.0, 3.0], [[0, 0, 3.0], [1, 0, -3.0], [1, 2, 0]])
 ARM = Spline([1.0, 2.0, 2.5], np.random.default_rng(0).normal(size=(3, 7)))
+ARM_RATES = np.vstack((np.random.default_rng(2).normal(size=(2, 7)), np.zeros(7)))
 PLAIN_KINDS = {
+    "arm in motion": (Spline([1.0, 2.0, 2.5], ARM.values, ARM_RATES), JOINTS),
     "base": (PLACES, BASES),
     "arm": (ARM, JOINTS),
     "arm of 3": (Spline([0.0, 1.0], np.array([[0.0, 0, 0], [1, 1, 4]])), JOINTS),
@@ -111,7 +125,7 @@ def test_neither_value_nor_velocity_jumps(kind):
     change = np.linalg.norm(np.diff(rates, axis=0), axis=1)
     assert change.max() < 0.2, "1e-3 s of the largest acceleration, and no jump"
     assert rates[-1].any() == 0
-    if not isinstance(trajectory, TwistStream):
+    if not isinstance(trajectory, TwistStream) and trajectory is not TURNING:
         # The acceleration does not jump either: its largest change within 1 ms is that of a jerk.
         assert np.abs(np.diff(rates, 2, axis=0)).max() < 0.02
 
@@ -275,14 +289,6 @@ def test_a_follower_of_the_decisions_has_the_same_references_bit_for_bit():
         same = other.at(0.01 * k)
         np.testing.assert_array_equal(one.ee[0].position, same.ee[0].position)
         np.testing.assert_array_equal(one.twist(0), same.twist(0))
-
-
-def test_a_message_takes_set_points_alone():
-    made = schedule()
-    made.add(Target(0.1, 0, ee=WAY))
-    made.at(0.1)
-    with pytest.raises(InputError, match="a Led is not sent, only set-points"):
-        encode(made.timeline.newest)
 
 
 # ---- the feed-forward

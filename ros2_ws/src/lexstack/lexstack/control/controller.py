@@ -29,6 +29,7 @@ from lexstack.transition.status_report import with_singularity
 from lexstack.transition.tick_context import TickContext
 from lexstack.types import RobotState, Vector
 
+_BRAKING = "braking: "  # begins the reason of a fallback without any solution
 _TOUCH = 1e-9  # m/s, rad/s: nearer than this chi is at its bound
 
 
@@ -65,6 +66,11 @@ class Command:
     revision: int = 0
     near: tuple[NearSingular, ...] = ()
     undamped: str = ""
+
+    @property
+    def brakes(self) -> bool:
+        """Whether no solution could be sent: the robots brake as fast as their limits allow."""
+        return self.fallback.startswith(_BRAKING)
 
     @property
     def near_singularity(self) -> str:
@@ -217,5 +223,5 @@ def checked(solution: Solution, bounds: Bounds) -> tuple[Vector, str]:
     """
     reason = rejection_reason(solution, bounds)
     if reason:
-        return np.clip(0.0, bounds.lower, bounds.upper), f"braking: {reason}"
+        return np.clip(0.0, bounds.lower, bounds.upper), f"{_BRAKING}{reason}"
     return np.minimum(np.maximum(solution.chi, bounds.lower), bounds.upper), solution.note

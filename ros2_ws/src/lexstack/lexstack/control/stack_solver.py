@@ -57,12 +57,16 @@ class StackSolver:
         ``damper`` is for those who compare: another one than the default.
         """
         self._team = team
-        self._stacks = stacks
+        self._stacks = dict(stacks)
         self._solver = solver
         self._dt = dt
         self._damper = damper or Damper(team, dt)
         self._groups: dict[tuple[int, ...], RobotGroup] = {}
         self._warm: dict[tuple[str, tuple[int, ...] | None], Solution] = {}
+
+    def learn(self, stack: Stack) -> None:
+        """Know one more stack by its name from now on, in place of one of the same name."""
+        self._stacks[stack.name] = stack
 
     def bounds(self, stack: str | Stack, kinematics: Kinematics) -> Bounds:
         """Return the viable position and velocity bounds of a stack at q*, T(35)."""

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from lexstack.hqp.diagnosis import Blocked, Obstacle, describe, explain_unmet_levels
     from lexstack.hqp.fallback import FallbackSolver, rejection_reason
     from lexstack.hqp.hierarchy import Hierarchy, Signs
+    from lexstack.hqp.kernel.solver import KernelSolver
     from lexstack.hqp.level_qp import LevelQp, QpBackend
     from lexstack.hqp.preconditions import active_bounds, starting_point
     from lexstack.hqp.problem import (
@@ -40,6 +41,7 @@ else:
             "diagnosis": "Blocked Obstacle explain_unmet_levels describe",
             "fallback": "FallbackSolver rejection_reason",
             "hierarchy": "Hierarchy Signs",
+            "kernel.solver": "KernelSolver",
             "level_qp": "LevelQp QpBackend",
             "preconditions": "active_bounds starting_point",
             "problem": "DAMPED NEAR HqpProblem HqpSolver NearSingular "
@@ -62,6 +64,7 @@ __all__ = [
     "Hierarchy",
     "HqpProblem",
     "HqpSolver",
+    "KernelSolver",
     "LevelQp",
     "NearSingular",
     "NullSpaceCascade",

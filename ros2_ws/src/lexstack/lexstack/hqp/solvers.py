@@ -7,13 +7,18 @@ from lexstack.hqp.backends.daqp import DaqpCascade
 from lexstack.hqp.backends.proxqp import ProxqpCascade
 from lexstack.hqp.decoupled_solver import ClusteredSolver
 from lexstack.hqp.fallback import FallbackSolver
+from lexstack.hqp.kernel.solver import KernelSolver
 from lexstack.hqp.problem import HqpSolver, SolverFactory
 from lexstack.options import register, unknown
 
-SOLVERS: dict[str, SolverFactory] = {"daqp": DaqpCascade, "proxqp": ProxqpCascade}
+SOLVERS: dict[str, SolverFactory] = {
+    "kernel": KernelSolver,
+    "daqp": DaqpCascade,
+    "proxqp": ProxqpCascade,
+}
 """The solvers by the name that a configuration uses; others are added by ``register_solver``."""
 
-DEFAULT_SOLVER = "daqp"
+DEFAULT_SOLVER = "kernel"
 """The solver of whoever names none."""
 
 

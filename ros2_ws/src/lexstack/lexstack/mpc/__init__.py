@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from lexstack.mpc.collision_cost import CollisionScene
     from lexstack.mpc.double_integrator import Horizon
     from lexstack.mpc.htmpc import Htmpc, Start
+    from lexstack.mpc.measures import COLUMNS, Kind, measure_of
     from lexstack.mpc.options import (
         DEFAULT_HTMPC,
         BarrierConfig,
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
         LineSearchConfig,
         TaskWeightsConfig,
     )
+    from lexstack.mpc.other_robots import OtherRobot
     from lexstack.mpc.plan import Plan
     from lexstack.mpc.sequence.options import SequenceConfig, SequenceTaskConfig
     from lexstack.mpc.sequence.reach import Reach
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
         Change,
         Progress,
         SequenceRunner,
+        plans_of,
         tasks_of,
     )
     from lexstack.mpc.sequence.sequence import HT_ARCH, ST_ARCH, Architecture, Sequence, check_tasks
@@ -35,7 +38,7 @@ if TYPE_CHECKING:
     from lexstack.mpc.stage_kinematics import StageModel
     from lexstack.mpc.status import LevelStatus, Outcome
     from lexstack.mpc.symbolic import stage_function
-    from lexstack.mpc.tracking_objectives import MEASURES, Kind, Objective, Task
+    from lexstack.mpc.tracking_objectives import Objective, Task
 else:
     __getattr__ = on_demand(
         __name__,
@@ -43,28 +46,30 @@ else:
             "collision_cost": "CollisionScene",
             "double_integrator": "Horizon",
             "htmpc": "Htmpc Start",
+            "measures": "COLUMNS Kind measure_of",
             "options": "DEFAULT_HTMPC BarrierConfig CollisionConfig Constraint EffortConfig "
             "HtmpcConfig LineSearchConfig TaskWeightsConfig",
+            "other_robots": "OtherRobot",
             "plan": "Plan",
             "sequence.options": "SequenceConfig SequenceTaskConfig",
             "sequence.reach": "Reach",
             "sequence.robot_pose": "RobotPose",
-            "sequence.runner": "ARCHITECTURES Change Progress SequenceRunner tasks_of",
+            "sequence.runner": "ARCHITECTURES Change Progress SequenceRunner plans_of tasks_of",
             "sequence.sequence": "HT_ARCH ST_ARCH Architecture Sequence check_tasks",
             "sequence.task": "SequenceTask",
             "sequence.trajectory": "Trajectory base_path ee_path hold steps",
             "stage_kinematics": "StageModel",
             "status": "LevelStatus Outcome",
             "symbolic": "stage_function",
-            "tracking_objectives": "MEASURES Kind Objective Task",
+            "tracking_objectives": "Objective Task",
         },
     )
 
 __all__ = [
     "ARCHITECTURES",
+    "COLUMNS",
     "DEFAULT_HTMPC",
     "HT_ARCH",
-    "MEASURES",
     "ST_ARCH",
     "Architecture",
     "BarrierConfig",
@@ -80,6 +85,7 @@ __all__ = [
     "LevelStatus",
     "LineSearchConfig",
     "Objective",
+    "OtherRobot",
     "Outcome",
     "Plan",
     "Progress",
@@ -99,6 +105,8 @@ __all__ = [
     "check_tasks",
     "ee_path",
     "hold",
+    "measure_of",
+    "plans_of",
     "stage_function",
     "steps",
     "tasks_of",

@@ -19,7 +19,11 @@ one product of a matrix that is made once, (N N, N), with the B_k of an iterate,
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Protocol
+
 import numpy as np
+from numpy.typing import NDArray
 
 from lexstack.types import Matrix, Vector
 
@@ -69,6 +73,44 @@ class Horizon:
         reach = np.arange(self.stages + 1)[:, None] * acceleration * self.step
         speeds = np.maximum(np.abs(v) - reach, 0.0)
         return np.asarray(np.sign(v) * np.diff(speeds, axis=0) / self.step)
+
+    def sensitivity(self, _q: Vector, _v: Vector, _u: Matrix) -> Sensitivity:
+        """Return how the positions at the states follow the inputs: here the same everywhere."""
+        return LinearSensitivity(self)
+
+
+class Sensitivity(Protocol):
+    """S_k = dq_k/du at one iterate: derivatives by the inputs of what is given by positions."""
+
+    def gradient(self, along_q: Matrix) -> Matrix:
+        """Return the gradient by the inputs (N, n) for the one by the positions, (N, n_q)."""
+
+    def rows(self, slopes: NDArray[np.float64]) -> Matrix:
+        """Return rows in the inputs (N r, N n) of rows in the positions, (N, r, n_q)."""
+
+    def condensed(self, curved: NDArray[np.float64]) -> Matrix:
+        """Return sum S_k' B_k S_k, shape (N N, n n), for curvatures B_k, (N, n_q, n_q)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinearSensitivity:
+    """The sensitivity of the double integrator: C_kj, times the identity."""
+
+    horizon: Horizon
+
+    def gradient(self, along_q: Matrix) -> Matrix:
+        """Return the gradient by the inputs (N, n) for the one by the positions, (N, n)."""
+        return np.asarray(self.horizon.to_position.T @ along_q)
+
+    def rows(self, slopes: NDArray[np.float64]) -> Matrix:
+        """Return rows in the inputs (N r, N n) of rows in the positions, (N, r, n)."""
+        stages, count, n = slopes.shape
+        rows = self.horizon.to_position[:, None, :, None] * slopes[:, :, None, :]
+        return rows.reshape(stages * count, stages * n)
+
+    def condensed(self, curved: NDArray[np.float64]) -> Matrix:
+        """Return sum_k C_ki C_kj B_k, shape (N N, n n), for curvatures B_k, (N, n, n)."""
+        return self.horizon.position_products @ curved.reshape(len(curved), -1)
 
 
 def _products(matrix: Matrix) -> Matrix:

@@ -9,8 +9,6 @@ from lexstack.mpc.double_integrator import Horizon
 from lexstack.mpc.options import EffortConfig
 from lexstack.types import Matrix, Vector
 
-_BASE = 3
-
 
 class Effort:
     """J_eff = (|v|_S^2 + |u|_R^2 + |Delta u|_W^2) / 2 over the horizon.
@@ -19,12 +17,12 @@ class Effort:
         hessian: for every joint one matrix, shape (N, N, n).
     """
 
-    def __init__(self, config: EffortConfig, horizon: Horizon, joints: int) -> None:
-        """Condense the weights for a robot with ``joints`` joints, the base first."""
+    def __init__(self, config: EffortConfig, horizon: Horizon, joints: int, base: int = 3) -> None:
+        """Condense the weights for a robot of which the first ``base`` joints are its base's."""
         self._horizon = horizon
-        self._velocity = _weights(config.base_velocity, config.arm_velocity, joints)
-        self._input = _weights(config.base_input, config.arm_input, joints)
-        self._change = _weights(config.base_change, config.arm_change, joints)
+        self._velocity = _weights(config.base_velocity, config.arm_velocity, joints, base)
+        self._input = _weights(config.base_input, config.arm_input, joints, base)
+        self._change = _weights(config.base_change, config.arm_change, joints, base)
         velocities, changes = horizon.to_velocity, horizon.change
         self.hessian: NDArray[np.float64] = (
             (velocities.T @ velocities)[:, :, None] * self._velocity
@@ -59,6 +57,6 @@ class Effort:
         return changes
 
 
-def _weights(base: float, arm: float, joints: int) -> Vector:
-    """Return one weight per joint, shape (n,)."""
-    return np.concatenate((np.full(_BASE, base), np.full(joints - _BASE, arm)))
+def _weights(base: float, arm: float, joints: int, first: int) -> Vector:
+    """Return one weight per joint, those of the base first, shape (n,)."""
+    return np.concatenate((np.full(first, base), np.full(joints - first, arm)))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
-from lexstack.errors import InputError, ModelError
+from lexstack.errors import InputError
 from lexstack.mpc.barriers import LimitBarrier
 from lexstack.mpc.collision_cost import Collisions, CollisionScene
 from lexstack.mpc.double_integrator import Horizon
@@ -17,12 +18,17 @@ from lexstack.mpc.level_problem import Iterate, Program
 from lexstack.mpc.level_sqp import Level
 from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
 from lexstack.mpc.limited_qp import EMPTY, ActiveSet
+from lexstack.mpc.measures import Measure, Subject, measure_of
 from lexstack.mpc.options import HtmpcConfig
+from lexstack.mpc.other_robots import OtherRobot, scene_of
 from lexstack.mpc.plan import Plan
 from lexstack.mpc.stage_kinematics import StageModel
 from lexstack.mpc.status import LevelStatus, Outcome
 from lexstack.mpc.tracking_objectives import Objective, Task
+from lexstack.mpc.unicycle_horizon import UnicycleHorizon
+from lexstack.mpc.unicycle_lead import UnicycleLead
 from lexstack.robots import RobotModel
+from lexstack.robots.assembly import TOOL
 from lexstack.types import Matrix, Vector
 
 
@@ -32,8 +38,8 @@ class Start:
 
     Attributes:
         stamp: s.
-        q: shape (n,), m and rad.
-        v: shape (n,), m/s and rad/s, base in the world frame.
+        q: shape (n_q,), m and rad.
+        v: shape (n,), m/s and rad/s; of a holonomic base in the world frame.
     """
 
     stamp: float
@@ -62,24 +68,21 @@ class Htmpc:
                 where the configuration says so; None: all.
 
         Raises:
-            ModelError: the robot has no base, or a joint or a sphere that cannot be.
+            ModelError: the robot has a joint or a sphere that cannot be.
         """
-        if not robot.has_base:
-            raise ModelError(f"robot {robot.name}: has no base, and the MPC needs one")
-        if robot.differential:
-            raise ModelError(
-                f"robot {robot.name}: its base is differential, the MPC's is holonomic"
-            )
         chosen = tuple(range(len(robot.config.spheres))) if spheres is None else spheres
         limits = robot.limits
         self.config = config
         self.robot = robot
-        self.horizon = Horizon(config.horizon, config.step)
-        self._model = StageModel(robot, config.horizon, ())
-        self._model_with_spheres = StageModel(robot, config.horizon, chosen)
+        horizon = UnicycleHorizon if robot.differential else Horizon
+        self.horizon = horizon(config.horizon, config.step)
+        self._lead = UnicycleLead(robot, config.step) if robot.differential else None
+        self._spheres = chosen
+        self._models: dict[tuple[tuple[str, ...], bool], StageModel] = {}
         # The floor is there for a lone robot without obstacles, too.
-        self._floor = config.collision.ground and bool(self._model_with_spheres.lifted.any())
-        self._effort = Effort(config.effort, self.horizon, robot.n)
+        self._floor = config.collision.ground and bool(self._model((TOOL,), True).lifted.any())
+        self._model((TOOL,), self._floor)
+        self._effort = Effort(config.effort, self.horizon, robot.n, robot.arm.start)
         self._barrier = LimitBarrier(
             config.limits,
             (limits.position_lower, limits.position_upper),
@@ -94,6 +97,7 @@ class Htmpc:
         objectives: tuple[Objective, ...],
         before: Plan | None = None,
         around: CollisionScene | None = None,
+        others: Iterable[OtherRobot] = (),
     ) -> Plan:
         """Return the plan from a state.
 
@@ -102,15 +106,23 @@ class Htmpc:
             objectives: the tasks of the window, highest first.
             before: the plan that was in force until now: first guess and u_{-1}.
             around: what is in the way beside the floor; None: nothing.
+            others: other robots, which are avoided where they will be.
 
         Raises:
             InputError: a shape or value that is wrong; what a solver does is in the status.
         """
         begun = perf_counter()
         self._check(start, objectives)
-        tasks = [Task(objective, self.config, self.robot.n) for objective in objectives]
-        program = self.program(start, before, around)
+        state = start.q, start.v
+        tasks = [
+            Task(objective, self.config, self.robot, self._lead, state) for objective in objectives
+        ]
+        scene = scene_of(others, start.stamp, start.stamp + self.horizon.times[1:])
+        if scene is not None:
+            around = scene if around is None else around.joined(scene)
+        program = self.program(start, before, around, frames_of(tasks))
         iterate = program.iterate(self._guess(start, tasks, before, program))
+        iterate = _led(program, tasks[0], iterate)
         levels, active_sets, iterate = self._solve_levels(program, tasks, iterate, before)
         return Plan(
             stamp=start.stamp,
@@ -130,8 +142,30 @@ class Htmpc:
         Args:
             q: where it will be at the states 1 to N of the other one, shape (N, n).
         """
-        at = self._model_with_spheres.at(q)
-        return CollisionScene(at.centers, self._model_with_spheres.radii)
+        model = self._model((), True)
+        return CollisionScene(model.at(q).centers, model.radii)
+
+    def prepare(self, windows: Iterable[tuple[Subject, ...]]) -> None:
+        """Generate the kinematics that tasks will need together: 10 to 30 ms each, once.
+
+        Without it the first solve of a new set of frames takes so much longer.
+
+        Raises:
+            InputError: the robot has no such frame, joint or base.
+        """
+        for window in windows:
+            measures = [measure_of(subject, self.robot) for subject in window]
+            frames = frames_of(measures)
+            for spheres in {True, self._floor}:
+                self._model(frames, spheres)
+
+    def _model(self, frames: tuple[str, ...], spheres: bool) -> StageModel:
+        """Return the kinematics of some frames, with all chosen spheres or none."""
+        key = frames, spheres
+        if key not in self._models:
+            chosen = self._spheres if spheres else ()
+            self._models[key] = StageModel(self.robot, self.config.horizon, chosen, frames)
+        return self._models[key]
 
     def _solve_levels(
         self, program: Program, tasks: list[Task], iterate: Iterate, before: Plan | None
@@ -154,24 +188,26 @@ class Htmpc:
             active_sets.append(level.active_set)
             levels.append(status)
             best = task.error(iterate.at)
-            constraints.append(
-                LexicographicConstraint(i, task, best, self.config.lexicographic, self.horizon)
-            )
+            constraints.append(LexicographicConstraint(i, task, best, self.config.lexicographic))
         return levels, tuple(active_sets), iterate
 
     def program(
-        self, start: Start, before: Plan | None = None, around: CollisionScene | None = None
+        self,
+        start: Start,
+        before: Plan | None = None,
+        around: CollisionScene | None = None,
+        frames: tuple[str, ...] = (TOOL,),
     ) -> Program:
-        """Return what all levels of a solve share; arguments as in ``solve``."""
-        model = self._model if around is None and not self._floor else self._model_with_spheres
-        previous = np.zeros(self.robot.n) if before is None else before.input_before(start.stamp)
+        """Return what all levels of a solve share, for tasks of ``frames``; see ``solve``."""
+        robot, model = self.robot, self._model(frames, self._floor or around is not None)
+        previous = np.zeros(robot.n) if before is None else before.input_before(start.stamp)
         return Program(
             self.horizon,
             model,
             self._effort,
             self._barrier,
             collisions=Collisions(self.config.collision, model, around),
-            hard=None if self._hard is None else self._hard.at(start.q, start.v),
+            hard=None if self._hard is None else self._hard.at(start.q[-robot.n :], start.v),
             start=(start.q, start.v, previous),
         )
 
@@ -193,13 +229,32 @@ class Htmpc:
 
     def _check(self, start: Start, objectives: tuple[Objective, ...]) -> None:
         """Raise InputError for a state that cannot be, or no task at all."""
-        for name, value in (("q", start.q), ("v", start.v)):
-            if value.shape != (self.robot.n,) or not np.isfinite(value).all():
+        robot = self.robot
+        for name, value, size in (("q", start.q, robot.nq), ("v", start.v, robot.n)):
+            if value.shape != (size,) or not np.isfinite(value).all():
                 raise InputError(
-                    f"htmpc: {name} of shape {value.shape}, expected {self.robot.n} finite numbers"
+                    f"htmpc: {name} of shape {value.shape}, expected {size} finite numbers"
                 )
         if not objectives:
             raise InputError("htmpc: at least one task is needed")
+
+
+def _led(program: Program, task: Task, iterate: Iterate) -> Iterate:
+    """Return the first iterate, or one with the motion that leads a base, if that costs less.
+
+    At rest beside its goal a differential base would otherwise have no descent.
+    """
+    if task.inputs is None:
+        return iterate
+    u = iterate.u.copy()
+    u[:, : task.inputs.shape[1]] = task.inputs
+    other = program.iterate(u if program.hard is None else program.hard.repaired(u))
+    return other if program.cost(other, task) < program.cost(iterate, task) else iterate
+
+
+def frames_of(tasks: Iterable[Task | Measure]) -> tuple[str, ...]:
+    """Return the frames of some tasks, each once, in the order of the alphabet."""
+    return tuple(sorted({task.frame for task in tasks if task.frame}))
 
 
 def _skipped(level: int, task: Task, iterate: Iterate) -> LevelStatus:

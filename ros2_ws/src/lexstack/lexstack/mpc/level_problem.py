@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from lexstack.mpc.barriers import LimitBarrier
 from lexstack.mpc.collision_cost import Collisions
-from lexstack.mpc.double_integrator import Horizon
+from lexstack.mpc.double_integrator import Horizon, Sensitivity
 from lexstack.mpc.effort import Effort
 from lexstack.mpc.hard_limits import HeldLimits
 from lexstack.mpc.stage_kinematics import StageKinematics, StageModel
@@ -25,8 +25,8 @@ class Iterate:
 
     Attributes:
         u: shape (N, n).
-        q: states 0 to N, shape (N + 1, n).
-        v: likewise.
+        q: states 0 to N, shape (N + 1, n_q).
+        v: likewise, shape (N + 1, n).
         at: kinematics at the states 1 to N.
         shared_cost: effort and barriers: the part of the cost that all levels share.
     """
@@ -65,7 +65,7 @@ class Program:
         hard: HeldLimits | None,
         start: tuple[Vector, Vector, Vector],
     ) -> None:
-        """Take the parts, and q, v and u_{-1}, shapes (n,)."""
+        """Take the parts, and q, v and u_{-1}, shapes (n_q,), (n,) and (n,)."""
         self.horizon = horizon
         self.hard = hard
         self.collisions = collisions
@@ -73,16 +73,23 @@ class Program:
         self._effort = effort
         self._barrier = barrier
         self._q, self._v, self._previous = start
+        # Of a differential base, x is beyond what follows; y and yaw stand in for the positions of
+        # v and w, which have none, and no limits either. So the last n of q go with chi.
+        self._first = len(self._q) - len(self._v)
 
     def iterate(self, u: Matrix) -> Iterate:
         """Roll out inputs of shape (N, n)."""
         q, v = self.horizon.roll_out(self._q, self._v, u)
         at = self._model.at(q[1:])
         shared_cost = self._effort.value(v[1:], u, self._previous)
-        shared_cost += self._barrier.value(q[1:], v[1:], u)
+        shared_cost += self._barrier.value(q[1:, self._first :], v[1:], u)
         if self.collisions.active:
             shared_cost += self.collisions.value(at)
         return Iterate(u, q, v, at, shared_cost)
+
+    def sensitivity(self, iterate: Iterate) -> Sensitivity:
+        """Return how the positions follow the inputs at an iterate."""
+        return self.horizon.sensitivity(self._q, self._v, iterate.u)
 
     def kinematics(self, u: Matrix) -> StageKinematics:
         """Return where inputs of shape (N, n) lead, at the states 1 to N."""
@@ -95,39 +102,41 @@ class Program:
     def quadratic(self, iterate: Iterate, task: Task) -> Quadratic:
         """Return the cost of a level near an iterate; only the joints that the task may move."""
         q, v, u, at = iterate.q[1:], iterate.v[1:], iterate.u, iterate.at
-        stages, n = u.shape
-        slope, curvature = self._barrier.slopes(q, v, u)
+        first, size = self._first, q.shape[1]
+        slope, curvature = self._barrier.slopes(q[:, first:], v, u)
         jacobian = task.jacobian(at)
         weighted = task.weights[:, :, None] * jacobian
         along_q = (task.error(at)[:, None] @ weighted)[:, 0]
-        along_q += slope[0]
+        along_q[:, first:] += slope[0]
         curved = jacobian.transpose(0, 2, 1) @ weighted
         if self.collisions.active:
             push, stiffness = self.collisions.slopes(at)
             along_q += push
             curved += stiffness
-        curved.reshape(stages, n * n)[:, :: n + 1] += curvature[0]
-        horizon = self.horizon
-        gradient = horizon.to_position.T @ along_q
-        gradient += horizon.to_velocity.T @ (slope[1])
+        curved.reshape(len(q), size * size)[:, first * (size + 1) :: size + 1] += curvature[0]
+        sensitivity = self.sensitivity(iterate)
+        gradient = sensitivity.gradient(along_q)
+        gradient += self.horizon.to_velocity.T @ (slope[1])
         gradient += slope[2]
         gradient += self._effort.gradient(v, u, self._previous)
         if task.moving is not None:
             gradient *= task.moving
-            curved *= task.moving[:, None] * task.moving
-        hessian = self._hessian(curved, curvature[1], curvature[2])
+            moving = np.concatenate((task.moving[:first], task.moving))  # x with the rest of a base
+            curved *= moving[:, None] * moving
+        hessian = self._hessian(sensitivity.condensed(curved), curvature[1], curvature[2])
         return Quadratic(gradient.reshape(-1), hessian)
 
-    def _hessian(self, curved: Array, velocity: Matrix, inputs: Matrix) -> Matrix:
-        """Return the condensed Hessian of curvatures in q (N, n, n), v and u (N, n)."""
-        # H_ij = sum_k C_ki C_kj B_k + D_ki D_kj V_k (+ U_i where i = j), see ``double_integrator``:
-        # row i N + j of ``full`` is the block of stages i and j, before the last line sorts by
-        # (stage, joint). V, U and the effort act on each joint alone: they enter the diagonals.
+    def _hessian(self, full: Matrix, velocity: Matrix, inputs: Matrix) -> Matrix:
+        """Return the condensed Hessian; what comes from the positions (N N, n n) is overwritten.
+
+        ``velocity`` and ``inputs`` are the curvatures in v and u, shape (N, n).
+        """
+        # H_ij = sum_k S_ki' B_k S_kj + D_ki D_kj V_k (+ U_i where i = j): row i N + j of ``full``
+        # is the block of stages i and j, before the last line sorts by (stage, joint). V, U and
+        # the effort act on each joint alone: they enter the diagonals.
         stages, n = inputs.shape
-        horizon = self.horizon
-        full = horizon.position_products @ curved.reshape(stages, n * n)
         diagonal = full.reshape(stages, stages, n * n)[:, :, :: n + 1]
-        diagonal += (horizon.velocity_products @ velocity).reshape(stages, stages, n)
+        diagonal += (self.horizon.velocity_products @ velocity).reshape(stages, stages, n)
         diagonal += self._effort.hessian
         same = np.arange(stages)
         diagonal[same, same] += inputs

@@ -229,10 +229,11 @@ class Level:
             return _Rows(np.zeros((0, iterate.u.size)), none, none)
         matrices, lower, upper = [], [], []
         moving = self._moving(len(iterate.u))
+        sensitivity = self._program.sensitivity(iterate)
         for constraint in self._constraints:
             error = constraint.task.error(iterate.at)
             value = constraint.value(error)
-            matrix = constraint.rows(iterate.at, error)
+            matrix = constraint.rows(iterate.at, error, sensitivity)
             matrices.append(matrix if moving is None else matrix * moving)
             lower.append(constraint.lower - value)
             upper.append(constraint.upper - value)

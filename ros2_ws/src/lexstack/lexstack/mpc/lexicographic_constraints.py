@@ -12,15 +12,13 @@ The tolerance delta widens them in the line search and nowhere else.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lexstack.mpc.double_integrator import Horizon
+from lexstack.mpc.double_integrator import Sensitivity
 from lexstack.mpc.options import Constraint
 from lexstack.mpc.stage_kinematics import StageKinematics
 from lexstack.mpc.tracking_objectives import Task
 from lexstack.types import Matrix, Vector
 
-Array = NDArray[np.float64]
 _ROUNDING = 1e-12  # in the unit of h: exceeded by no more, a bound is met, also with delta = 0
 
 
@@ -35,21 +33,20 @@ class LexicographicConstraint:
         tolerance: delta in the unit of h, shape (r,).
     """
 
-    def __init__(
-        self, level: int, task: Task, best: Matrix, kind: Constraint, horizon: Horizon
-    ) -> None:
+    def __init__(self, level: int, task: Task, best: Matrix, kind: Constraint) -> None:
         """Take the errors e* at the optimum of the level, shape (N, s)."""
         self.level = level
         self.task = task
         self._kind = kind
-        self._horizon = horizon
         # ``best`` is what the level has reached. H(12) bounds |e| by |e*| on both sides; a cost may
         # fall as far as it can, so H(11) has no lower bound. delta is not in these bounds: it would
         # count twice, in the QP of a lower level and in its line search.
         value = self.value(best)
         self.upper: Vector = np.abs(value)
-        self.lower: Vector = -self.upper if kind == "axis" else np.full(value.shape, -np.inf)
         self.tolerance = self._tolerance()
+        if kind == "axis":
+            self.upper[np.isinf(self.tolerance)] = np.inf  # rows that only guide
+        self.lower: Vector = -self.upper if kind == "axis" else np.full(value.shape, -np.inf)
 
     def value(self, error: Matrix) -> Vector:
         """Return h for errors of shape (N, s), shape (r,)."""
@@ -59,20 +56,20 @@ class LexicographicConstraint:
             return self.task.stage_costs(error)
         return np.array([self.task.cost(error)])
 
-    def rows(self, at: StageKinematics, error: Matrix) -> Matrix:
+    def rows(self, at: StageKinematics, error: Matrix, sensitivity: Sensitivity) -> Matrix:
         """Return dh/du, shape (r, N n)."""
-        # By the chain rule through the positions, q_k = ... + sum_j C_kj u_j:
-        #   axis   de_kp/du_j = C_kj de_kp/dq_k
-        #   stage  dJ_k/du_j = C_kj e_k' W_k de_k/dq_k, for J_k = e_k' W_k e_k / 2
+        # By the chain rule through the positions, with S_k = dq_k/du:
+        #   axis   de_kp/du = de_kp/dq_k S_k
+        #   stage  dJ_k/du = e_k' W_k de_k/dq_k S_k, for J_k = e_k' W_k e_k / 2
         #   sum    the rows of ``stage``, added over k
         jacobian = self.task.jacobian(at)
         if self._kind == "axis":
-            return self._condense(jacobian)
+            return sensitivity.rows(jacobian)
         weighted = self.task.weights * error
         slopes = (weighted[:, None] @ jacobian)[:, 0]
         if self._kind == "stage":
-            return self._condense(slopes[:, None])
-        return (self._horizon.to_position.T @ slopes).reshape(1, -1)
+            return sensitivity.rows(slopes[:, None])
+        return sensitivity.gradient(slopes).reshape(1, -1)
 
     def excess(self, error: Matrix) -> tuple[float, str]:
         """Return by how much H(13) is violated at most (<= 0: not), and where in words."""
@@ -82,13 +79,6 @@ class LexicographicConstraint:
         beyond = np.maximum(value - self.upper, self.lower - value) - self.tolerance
         worst = int(np.argmax(beyond))
         return float(beyond[worst]) - _ROUNDING, self._name(worst)
-
-    def _condense(self, slopes: Array) -> Matrix:
-        """Return rows in u of rows in q_k: (N, r, n) to (N r, N n)."""
-        stages, count, n = slopes.shape
-        to_position = self._horizon.to_position
-        rows = to_position[:, None, :, None] * slopes[:, :, None, :]
-        return rows.reshape(stages * count, stages * n)
 
     def _tolerance(self) -> Vector:
         """Return delta for each entry of h."""

@@ -95,6 +95,11 @@ class HtmpcConfig:
     limits: BarrierConfig  # barrier before the limits of the joints
     collision: CollisionConfig  # distances to obstacles
     line_search: LineSearchConfig  # how a step is shortened
+    # weights of tasks of joints: of those that slide as positions, of those that turn as angles
+    joint: TaskWeightsConfig = TaskWeightsConfig(54.0, 540.0, 100.0, 1000.0, 0.01, 0.01)
+    # whether the other robots are avoided where their plans, or else their velocities, will take
+    # them; false: where they stand
+    predict_others: bool = False
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a correction of what has none."""
@@ -118,5 +123,6 @@ DEFAULT_HTMPC = HtmpcConfig(
     limits=BarrierConfig(0.001, 0.005),
     collision=CollisionConfig(0.1, 0.005, 0.05, 0.3, ground=True),
     line_search=LineSearchConfig(0.05, 0.5, 10),
+    predict_others=True,
 )
 """The parameters of ``config/htmpc/lexstack.yaml``, where every one has its reason."""

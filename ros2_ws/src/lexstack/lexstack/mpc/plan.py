@@ -8,6 +8,7 @@ import numpy as np
 
 from lexstack.mpc.limited_qp import ActiveSet
 from lexstack.mpc.status import LevelStatus
+from lexstack.mpc.unicycle_horizon import driven
 from lexstack.types import Matrix, Vector
 
 
@@ -18,8 +19,9 @@ class Plan:
     Attributes:
         stamp: time of the state that it starts from [s].
         step: length of a stage [s].
-        q: states 0 to N, shape (N + 1, n), m and rad.
-        v: likewise, m/s and rad/s, base in the world frame.
+        q: states 0 to N, shape (N + 1, n_q), m and rad.
+        v: likewise, shape (N + 1, n), m/s and rad/s; a holonomic base in the world frame, a
+            differential one forwards and about its axis.
         u: constant over each stage, shape (N, n), m/s^2 and rad/s^2.
         levels: how each level ended, highest first.
         errors: of each level's task at the states 1 to N, shapes (N, s).
@@ -48,16 +50,18 @@ class Plan:
         return self.stamp + self.step * len(self.u)
 
     def sample(self, stamp: float) -> tuple[Vector, Vector, Vector]:
-        """Return q, v and u at a time [s], shapes (n,); outside the plan its nearest end."""
+        """Return q (n_q,), v and u (n,) at a time [s]; outside the plan its nearest end."""
         elapsed = min(max(stamp - self.stamp, 0.0), self.step * len(self.u))
         stage = min(int(elapsed / self.step + 1e-9), len(self.u) - 1)
         rest = elapsed - stage * self.step
         u = self.u[stage]
         v = self.v[stage]
+        if self.q.shape[1] != self.v.shape[1]:
+            return driven(self.q[stage], v, u, rest), v + rest * u, u
         return self.q[stage] + rest * v + 0.5 * rest * rest * u, v + rest * u, u
 
     def configurations(self, times: Vector) -> Matrix:
-        """Return q at times of shape (k,) [s], shape (k, n): where another robot must not be."""
+        """Return q at times of shape (k,) [s], shape (k, n_q): where another robot must not be."""
         return np.array([self.sample(float(time))[0] for time in times])
 
     def input_before(self, stamp: float) -> Vector:

@@ -9,32 +9,49 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lexstack.robots import RobotModel
+from lexstack.robots.assembly import TOOL
 from lexstack.types import Matrix, Vector
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class StageKinematics:
-    """Where tool and spheres are at each stage, world frame.
+class FrameStates:
+    """One frame of the robot at each stage, world frame.
 
     Attributes:
-        q: the configurations, shape (N, n).
-        position: of the tool, shape (N, 3), m.
-        rotation: of the tool, shape (N, 3, 3).
-        jacobian: of the tool, shape (N, 6, n), linear then angular, LOCAL_WORLD_ALIGNED.
+        position: of its origin, shape (N, 3), m.
+        rotation: shape (N, 3, 3).
+        jacobian: by q, shape (N, 6, n_q), linear then angular, LOCAL_WORLD_ALIGNED.
+    """
+
+    position: Matrix
+    rotation: Array
+    jacobian: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StageKinematics:
+    """Where frames and spheres are at each stage, world frame.
+
+    Attributes:
+        q: the configurations, shape (N, n_q).
+        frames: those that the model was made for, by name.
         centers: of the spheres, shape (N, s, 3), m.
-        slopes: their Jacobians, shape (N, 3 s, n).
+        slopes: their Jacobians by q, shape (N, 3 s, n_q).
         found: what tasks and distances have found here, each by itself, so that none looks twice.
     """
 
     q: Matrix
-    position: Matrix
-    rotation: Array
-    jacobian: Array
+    frames: dict[str, FrameStates]
     centers: Array
     slopes: Array
     found: dict[object, Any] = field(default_factory=dict)
+
+    @property
+    def tool(self) -> FrameStates:
+        """The frame ``tool``."""
+        return self.frames[TOOL]
 
 
 class StageModel:
@@ -42,20 +59,28 @@ class StageModel:
 
     Attributes:
         stages: how many configurations a call takes.
-        n: joints of the robot.
+        n: coordinates of the robot, the length of its q.
+        frames: names of those that a call returns.
         spheres: places in the robot's list of those that are kept apart from things.
         radii: of these, shape (s,), m.
         lifted: whether the arm moves them, so that they can keep off the floor, shape (s,).
     """
 
-    def __init__(self, robot: RobotModel, stages: int, spheres: tuple[int, ...] = ()) -> None:
+    def __init__(
+        self,
+        robot: RobotModel,
+        stages: int,
+        spheres: tuple[int, ...] = (),
+        frames: tuple[str, ...] = (TOOL,),
+    ) -> None:
         """Generate the code; raises ModelError where the robot does not allow it."""
         from lexstack.mpc.symbolic import stage_function  # noqa: PLC0415 - CasADi, 0.1 s
 
         self.stages = stages
-        self.n = robot.n
+        self.n = robot.nq
+        self.frames = frames
         self.spheres = spheres
-        function = stage_function(robot, spheres).map(stages)
+        function = stage_function(robot, spheres, frames).map(stages)
         chosen = [robot.config.spheres[place] for place in spheres]
         self.radii: Vector = np.array([config.radius for config in chosen])
         on_arm: Matrix = robot.spheres.moved_by[:, robot.arm]
@@ -70,7 +95,8 @@ class StageModel:
         )
         count = len(spheres)
         self._q = np.zeros((stages, self.n))
-        shapes = ((3,), (3, 3), (6, self.n), (count, 3), (3 * count, self.n))
+        one = ((3,), (3, 3), (6, self.n))
+        shapes = (*one * len(frames), (count, 3), (3 * count, self.n))
         self._results = tuple(np.zeros((stages, *shape)) for shape in shapes)
         # The buffer object must live as long as the call that writes through it.
         buffer: tuple[Any, Any] = function.buffer()
@@ -81,8 +107,11 @@ class StageModel:
                 self._buffer.set_res(i, result.data)
 
     def at(self, q: Matrix) -> StageKinematics:
-        """Return the kinematics at configurations of shape (N, n); they are copied."""
+        """Return the kinematics at configurations of shape (N, n_q); they are copied."""
         self._q[:] = q
         self._call()
-        position, rotation, jacobian, centers, slopes = (r.copy() for r in self._results)
-        return StageKinematics(self._q.copy(), position, rotation, jacobian, centers, slopes)
+        *parts, centers, slopes = (result.copy() for result in self._results)
+        places = {
+            name: FrameStates(*parts[3 * i : 3 * i + 3]) for i, name in enumerate(self.frames)
+        }
+        return StageKinematics(self._q.copy(), places, centers, slopes)

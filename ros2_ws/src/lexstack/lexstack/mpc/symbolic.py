@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from lexstack.errors import ModelError
 from lexstack.robots import RobotModel
+from lexstack.robots.assembly import TOOL
 from lexstack.types import Matrix, Vector
 
 
@@ -30,50 +31,58 @@ class _Point:
     offset: Vector
 
 
-def stage_function(robot: RobotModel, spheres: tuple[int, ...] = ()) -> ca.Function:
-    """Return the kinematics at one configuration as a CasADi function of q, shape (n,).
+def stage_function(
+    robot: RobotModel, spheres: tuple[int, ...] = (), frames: tuple[str, ...] = (TOOL,)
+) -> ca.Function:
+    """Return the kinematics at one configuration as a CasADi function of q, shape (n_q,).
 
-    Its outputs: ``position`` (3,) and ``rotation`` (9,), by rows, of the tool; ``jacobian``
-    (n, 6), the transposed tool Jacobian, linear then angular, LOCAL_WORLD_ALIGNED; ``centers``
-    (3 s,) of the chosen spheres; ``slopes`` (n, 3 s), their transposed Jacobians.
+    Its outputs are first, for each frame: position (3,) and rotation (9,), by rows, in the world,
+    and jacobian (n_q, 6), the transposed derivative by q, linear then angular,
+    LOCAL_WORLD_ALIGNED; ``position0``, ``rotation0``, ``jacobian0``, ``position1`` ... Then
+    ``centers`` (3 s,) of the chosen spheres; ``slopes`` (n_q, 3 s), their transposed Jacobians.
+
+    Only joints that carry one of them are part of the code.
 
     Args:
         robot: the model, all joints of one degree of freedom.
         spheres: places in the robot's configured list.
+        frames: names, as ``RobotModel.frame`` knows them.
 
     Raises:
-        ModelError: a joint has no constant axis, or a sphere's link is not there.
+        ModelError: a joint has no constant axis, a sphere's link or a frame is not there.
     """
     model = robot.pinocchio
     axes = [_axis(robot, joint) for joint in range(1, model.njoints)]
-    independent = ca.SX.sym("q", robot.n)
+    independent = ca.SX.sym("q", robot.nq)
     q = independent
     if robot.map is not None:
         q = ca.mtimes(ca.sparsify(ca.DM(robot.map.matrix)), q) + ca.DM(robot.map.offset)
     rotations, origins = _placements(model, axes, q)
-    frame = model.frames[model.getFrameId("tool")]
-    tool = _Point(frame.parentJoint, frame.placement.translation)
-    columns = _columns(model, axes, rotations, origins, tool)
-    angular = _angular(model, axes, rotations, tool.joint)
     points = [_sphere(robot, place) for place in spheres]
     centers = [_place(rotations, origins, point) for point in points]
     slopes = [_columns(model, axes, rotations, origins, point).T for point in points]
-    jacobian = ca.horzcat(columns.T, angular.T)
-    if robot.map is not None:
-        follows = ca.sparsify(ca.DM(robot.map.matrix.T))
-        jacobian = ca.mtimes(follows, jacobian)
+    follows = None if robot.map is None else ca.sparsify(ca.DM(robot.map.matrix.T))
+    outputs, names = [], []
+    for i, name in enumerate(frames):
+        frame = model.frames[robot.frame(name)]
+        origin = _Point(frame.parentJoint, frame.placement.translation)
+        columns = _columns(model, axes, rotations, origins, origin)
+        jacobian = ca.horzcat(columns.T, _angular(model, axes, rotations, origin.joint).T)
+        turned = rotations[origin.joint] @ frame.placement.rotation
+        outputs += [
+            _place(rotations, origins, origin),
+            ca.reshape(turned.T, 9, 1),
+            jacobian if follows is None else ca.mtimes(follows, jacobian),
+        ]
+        names += [f"position{i}", f"rotation{i}", f"jacobian{i}"]
+    if follows is not None:
         slopes = [ca.mtimes(follows, slope) for slope in slopes]
-    turned = rotations[tool.joint] @ frame.placement.rotation
-    outputs = [
-        _place(rotations, origins, tool),
-        ca.reshape(turned.T, 9, 1),
-        jacobian,
+    outputs += [
         ca.vertcat(*centers) if centers else ca.SX(0, 1),
-        ca.horzcat(*slopes) if slopes else ca.SX(robot.n, 0),
+        ca.horzcat(*slopes) if slopes else ca.SX(robot.nq, 0),
     ]
     dense = ca.cse([ca.densify(output) for output in outputs])
-    names = ["position", "rotation", "jacobian", "centers", "slopes"]
-    return ca.Function("stage", [independent], dense, ["q"], names)
+    return ca.Function("stage", [independent], dense, ["q"], [*names, "centers", "slopes"])
 
 
 def _axis(robot: RobotModel, joint: int) -> _Axis:

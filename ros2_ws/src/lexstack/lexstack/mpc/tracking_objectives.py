@@ -1,24 +1,23 @@
-"""The tasks of the MPC: errors e_k and their Jacobians at all stages, H(6) and H(8)."""
+"""The tasks of the MPC: their references, weights and costs over the horizon, H(8)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lexstack.errors import InputError
+from lexstack.mpc.measures import Kind, Measure, measure_of
 from lexstack.mpc.options import HtmpcConfig, TaskWeightsConfig
 from lexstack.mpc.stage_kinematics import StageKinematics
-from lexstack.robots.spatial import from_quaternions, log3_all, log_slopes
+from lexstack.mpc.unicycle_lead import UnicycleLead
+from lexstack.robots import RobotModel
+from lexstack.robots.assembly import TOOL
 from lexstack.types import Matrix, Vector
 
 Array = NDArray[np.float64]
-Kind = Literal["ee_position", "ee_pose", "base_position", "base_pose"]
-"""What a task moves, and in which coordinates; see ``Objective``."""
-
 Moves = Literal["all", "arm", "base"]
 
 
@@ -30,86 +29,20 @@ class Objective:
         name: for people, e.g. ``ee_position``.
         kind: what follows the reference.
         reference: at the states 1 to N, shape (N, r), world frame: x y z for ``ee_position``,
-            x y z and quaternion x y z w for ``ee_pose``, x y for ``base_position``, x y yaw for
-            ``base_pose``.
+            x y z and quaternion x y z w for ``ee_pose``, the quaternion alone for
+            ``ee_orientation``, x y for ``base_position``, x y yaw for ``base_pose``, one angle
+            or length per joint for ``joint_positions``.
         moves: the joints that this level may use; the arm or the base alone makes ST-Arch.
+        frame: which one an end-effector kind moves, as ``RobotModel.frame`` knows it.
+        joints: of ``joint_positions``; empty: all but the base's.
     """
 
     name: str
     kind: Kind
     reference: Matrix
     moves: Moves = "all"
-
-
-@dataclass(frozen=True, slots=True)
-class Measure:
-    """How an error is measured: e of shape (N, s), and J = de/dq, (N, s, n) or (s, n) constant.
-
-    Attributes:
-        lengths: how many rows, the first ones, are lengths [m]; the rest are angles [rad].
-        rows: s.
-        columns: r, of the reference.
-    """
-
-    lengths: int
-    rows: int
-    columns: int
-    error: Callable[[StageKinematics, Matrix], Matrix]
-    jacobian: Callable[[StageKinematics, Matrix], Array]
-
-
-def _ee_position(at: StageKinematics, reference: Matrix) -> Matrix:
-    """Return p - r, shape (N, 3)."""
-    return at.position - reference
-
-
-def _ee_position_jacobian(at: StageKinematics, _reference: Matrix) -> Array:
-    """Return its Jacobian, shape (N, 3, n)."""
-    return at.jacobian[:, :3]
-
-
-def _turned(at: StageKinematics, reference: Matrix) -> Matrix:
-    """Return log(R R_d^T), the rotation from the reference to the tool, world axes, (N, 3)."""
-    desired = from_quaternions(reference[:, 3:])
-    return log3_all(at.rotation @ desired.transpose(0, 2, 1))
-
-
-def _ee_pose(at: StageKinematics, reference: Matrix) -> Matrix:
-    """Return p - r and the rotation vector from the reference to the tool, shape (N, 6)."""
-    return np.concatenate((at.position - reference[:, :3], _turned(at, reference)), axis=1)
-
-
-def _ee_pose_jacobian(at: StageKinematics, reference: Matrix) -> Array:
-    """Return its exact Jacobian, shape (N, 6, n)."""
-    jacobian = at.jacobian.copy()
-    jacobian[:, 3:] = log_slopes(_turned(at, reference)) @ at.jacobian[:, 3:]
-    return jacobian
-
-
-def _base_position(at: StageKinematics, reference: Matrix) -> Matrix:
-    """Return x and y off the reference, shape (N, 2)."""
-    return at.q[:, :2] - reference
-
-
-def _base_pose(at: StageKinematics, reference: Matrix) -> Matrix:
-    """Return x, y and yaw off the reference, yaw in (-pi, pi], shape (N, 3)."""
-    error = at.q[:, :3] - reference
-    error[:, 2] = np.pi - np.remainder(np.pi - error[:, 2], 2.0 * np.pi)
-    return error
-
-
-def _base_rows(rows: int) -> Callable[[StageKinematics, Matrix], Array]:
-    """Return the function for the constant Jacobian of the base, shape (rows, n)."""
-    return lambda at, _reference: np.eye(rows, at.q.shape[1])
-
-
-MEASURES: dict[Kind, Measure] = {
-    "ee_position": Measure(3, 3, 3, _ee_position, _ee_position_jacobian),
-    "ee_pose": Measure(3, 6, 7, _ee_pose, _ee_pose_jacobian),
-    "base_position": Measure(2, 2, 2, _base_position, _base_rows(2)),
-    "base_pose": Measure(2, 3, 3, _base_pose, _base_rows(3)),
-}
-"""The kinds of tasks by their names."""
+    frame: str = TOOL
+    joints: tuple[str, ...] = ()
 
 
 class Task:
@@ -118,28 +51,52 @@ class Task:
     Attributes:
         objective: what it was made from.
         weights: Q at the states 1 to N - 1 and P at N, on the diagonal, shape (N, s).
-        tolerance: delta of H(13) per row, shape (s,), m and rad.
+        tolerance: delta of H(13) per row, shape (s,), m and rad; inf: the row binds no level below.
         moving: 1 where the level may use a joint, else 0, shape (n,); None: everywhere 1.
+        frame: which the kinematics must have; empty: none.
+        inputs: (v', w') of a base that is led, at the stages, shape (N, 2): a first guess; or None.
     """
 
-    def __init__(self, objective: Objective, config: HtmpcConfig, joints: int) -> None:
-        """Check the reference; raises InputError for a shape or value that is wrong."""
-        if objective.kind not in MEASURES:
-            known = ", ".join(MEASURES)
-            raise InputError(f"task {objective.name}: kind {objective.kind!r}; known: {known}")
+    def __init__(
+        self,
+        objective: Objective,
+        config: HtmpcConfig,
+        robot: RobotModel,
+        lead: UnicycleLead | None = None,
+        state: tuple[Vector, Vector] | None = None,
+    ) -> None:
+        """Check it; raises InputError for a reference or name that does not fit the robot.
+
+        Args:
+            objective: what it is made from.
+            config: parameters of the MPC.
+            robot: whose task.
+            lead: of a differential base: a task of the base then follows what leads to its
+                reference, from the ``state``. The yaw of that motion is weighed also where only
+                the position is asked for, but levels below may change it.
+            state: the measured q and v.
+        """
         self.objective = objective
-        self._measure = measure = MEASURES[objective.kind]
+        self._measure = measure = measure_of(objective, robot)
         expected = (config.horizon, measure.columns)
         if objective.reference.shape != expected or not np.isfinite(objective.reference).all():
             raise InputError(
                 f"task {objective.name}: reference of shape {objective.reference.shape}, "
                 f"expected finite numbers of shape {expected}"
             )
-        weights = config.ee if objective.kind.startswith("ee") else config.base
+        self.inputs: Matrix | None = None
+        self._reference = objective.reference
+        if lead is not None and state is not None and objective.kind.startswith("base"):
+            self._reference, self.inputs = lead.motion(*state, objective.reference)
+            as_pose = replace(objective, kind="base_pose", reference=self._reference)
+            self._measure = measure = measure_of(as_pose, robot)
+        self.frame = measure.frame
+        weights = weights_of(objective.kind, config)
         self.weights = _weights(weights, measure, config.horizon)
-        self.tolerance: Vector = np.full(measure.rows, weights.tolerance)
-        self.tolerance[measure.lengths :] = weights.tolerance_angle
-        self.moving = _moving(objective.moves, joints)
+        lengths = measure.lengths
+        self.tolerance: Vector = np.where(lengths, weights.tolerance, weights.tolerance_angle)
+        self.tolerance[expected[1] :] = np.inf  # rows that only guide
+        self.moving = _moving(objective.moves, robot)
 
     def error(self, at: StageKinematics) -> Matrix:
         """Return e at the states 1 to N, shape (N, s)."""
@@ -152,7 +109,7 @@ class Task:
     def _found(self, at: StageKinematics) -> tuple[Matrix, float]:
         """Return error and cost; levels and their constraints ask for them again and again."""
         if self not in at.found:
-            error = self._measure.error(at, self.objective.reference)
+            error = self._measure.error(at, self._reference)
             error.setflags(write=False)
             at.found[self] = error, self.cost(error)
         found: tuple[Matrix, float] = at.found[self]
@@ -160,7 +117,7 @@ class Task:
 
     def jacobian(self, at: StageKinematics) -> Array:
         """Return de/dq, shape (N, s, n)."""
-        jacobian = self._measure.jacobian(at, self.objective.reference)
+        jacobian = self._measure.jacobian(at, self._reference)
         if jacobian.ndim == 2:
             jacobian = np.broadcast_to(jacobian, (len(at.q), *jacobian.shape))
         return jacobian
@@ -177,25 +134,30 @@ class Task:
     def stage_tolerance(self) -> Vector:
         """The cost of an error whose norm is the tolerance, at each state, shape (N,)."""
         lengths = self._measure.lengths
-        share = np.square(self.tolerance)
-        share[:lengths] /= lengths
-        share[lengths:] /= max(1, len(share) - lengths)
+        share = np.where(np.isinf(self.tolerance), 0.0, np.square(self.tolerance))
+        for rows in (lengths, ~lengths):
+            share[rows] /= max(1, int(rows.sum()))
         return np.asarray(0.5 * self.weights @ share)
 
 
-def _moving(moves: Moves, joints: int) -> Vector | None:
+def weights_of(kind: Kind, config: HtmpcConfig) -> TaskWeightsConfig:
+    """Return the weights of a kind of task."""
+    if kind == "joint_positions":
+        return config.joint
+    return config.ee if kind.startswith("ee") else config.base
+
+
+def _moving(moves: Moves, robot: RobotModel) -> Vector | None:
     """Return 1 for the joints that a level may use, else 0, shape (n,); None for all."""
     if moves == "all":
         return None
-    base = np.arange(joints) < 3
+    base = np.arange(robot.n) < robot.arm.start
     return (base if moves == "base" else ~base).astype(np.float64)
 
 
 def _weights(config: TaskWeightsConfig, measure: Measure, stages: int) -> Matrix:
     """Return the diagonals of Q_k and P, shape (N, s)."""
     weights = np.empty((stages, measure.rows))
-    weights[:, : measure.lengths] = config.stage
-    weights[:, measure.lengths :] = config.stage_angle
-    weights[-1, : measure.lengths] = config.terminal
-    weights[-1, measure.lengths :] = config.terminal_angle
+    weights[:] = np.where(measure.lengths, config.stage, config.stage_angle)
+    weights[-1] = np.where(measure.lengths, config.terminal, config.terminal_angle)
     return weights

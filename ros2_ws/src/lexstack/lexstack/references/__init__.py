@@ -11,17 +11,21 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
-    from lexstack.references.encoding import WIDTHS, decode, encode
+    from lexstack.references.encoding import WIDTHS, decode, encode, encode_moving
     from lexstack.references.fading import Fading
+    from lexstack.references.moving import Moving
+    from lexstack.references.path import path_at_speed
+    from lexstack.references.retaking import targets_between
     from lexstack.references.schedule import ReferenceSchedule
     from lexstack.references.set_point import Led, SetPoint
     from lexstack.references.spaces import BASES, JOINTS, POSES
-    from lexstack.references.spline import Spline, base_spline
+    from lexstack.references.spline import Spline, base_spline, load
     from lexstack.references.timeline import ROUNDING, ReferenceTimeline, Setting
     from lexstack.references.trajectory import Trajectory
     from lexstack.references.twist_stream import Twist, TwistStream
     from lexstack.references.values import (
         TOOL,
+        Hold,
         Motion,
         References,
         Target,
@@ -33,16 +37,19 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
-            "encoding": "WIDTHS decode encode",
+            "encoding": "WIDTHS decode encode encode_moving",
             "fading": "Fading",
+            "moving": "Moving",
+            "path": "path_at_speed",
+            "retaking": "targets_between",
             "schedule": "ReferenceSchedule",
             "set_point": "Led SetPoint",
             "spaces": "BASES JOINTS POSES",
-            "spline": "Spline base_spline",
+            "spline": "Spline base_spline load",
             "timeline": "ROUNDING ReferenceTimeline Setting",
             "trajectory": "Trajectory",
             "twist_stream": "Twist TwistStream",
-            "values": "TOOL Motion References Target combined measured",
+            "values": "TOOL Hold Motion References Target combined measured",
             "waypoints": "MotionLimits Waypoints timed_waypoints",
         },
     )
@@ -55,9 +62,11 @@ __all__ = [
     "TOOL",
     "WIDTHS",
     "Fading",
+    "Hold",
     "Led",
     "Motion",
     "MotionLimits",
+    "Moving",
     "ReferenceSchedule",
     "ReferenceTimeline",
     "References",
@@ -73,6 +82,10 @@ __all__ = [
     "combined",
     "decode",
     "encode",
+    "encode_moving",
+    "load",
     "measured",
+    "path_at_speed",
+    "targets_between",
     "timed_waypoints",
 ]

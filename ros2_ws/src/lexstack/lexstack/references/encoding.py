@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
 
 from lexstack.errors import InputError
 from lexstack.references.fading import Fading
+from lexstack.references.moving import (
+    BASE,
+    EE,
+    POSTURE,
+    Moving,
+    fading_of,
+    lead_of,
+    moving_of,
+    pose_of,
+    trajectory_of,
+)
 from lexstack.references.set_point import SetPoint
 from lexstack.references.timeline import Setting
 from lexstack.references.trajectory import Trajectory
-from lexstack.robots import Pose
+from lexstack.references.values import TOOL
 from lexstack.types import Matrix, Vector
 
 T = TypeVar("T")
@@ -21,18 +33,15 @@ WIDTHS = {"ee": 12, "base": 3, "ee_lead": 20, "base_lead": 11}
 """How many numbers each vector has per robot."""
 
 _HUGE = 1e6  # m, rad: no reference is there
-_SQUARE = 1e-6  # how far R^T R may be from the unit matrix
 
 
 def encode(setting: Setting) -> dict[str, Vector]:
     """Return the vectors of a decision, by the names in ``WIDTHS``.
 
-    Raises:
-        InputError: a reference is no set-point: messages have no fields for others.
+    Of a tool or base that is in ``encode_moving`` they have where it ends.
     """
-    tools, bases = _set_points(setting.ee), _set_points(setting.base)
-    if setting.frames or setting.postures:
-        raise InputError("references: frames and postures are not sent, only tools and bases")
+    tools = [_set_point(point) for point in setting.ee]
+    bases = [_set_point(point) for point in setting.base]
     poses = [np.concatenate((p.goal.position, p.goal.rotation.reshape(9))) for p in tools]
     return {
         "ee": np.concatenate(poses),
@@ -42,8 +51,31 @@ def encode(setting: Setting) -> dict[str, Vector]:
     }
 
 
+def encode_moving(setting: Setting) -> Iterator[Moving]:
+    """Yield what the vectors have no room for: trajectories, further frames, and postures.
+
+    Raises:
+        InputError: a trajectory is of a user's own kind.
+    """
+    for of, points in ((EE, setting.ee), (BASE, setting.base)):
+        for robot, point in enumerate(points):
+            if not isinstance(point, SetPoint) or point.fed:
+                yield moving_of(point, robot, of)
+    for (robot, frame), pose in setting.frames.items():
+        yield moving_of(pose, robot, EE, frame)
+    for robot, posture in setting.postures.items():
+        yield moving_of(posture, robot, POSTURE)
+
+
 def decode(
-    at: float, revision: int, vectors: Mapping[str, Any], robots: int, where: str
+    at: float,
+    revision: int,
+    vectors: Mapping[str, Any],
+    robots: int,
+    where: str,
+    *,
+    moving: Sequence[Moving] = (),
+    arms: Sequence[int] = (),
 ) -> Setting:
     """Return the decision that vectors describe, equal in every bit to the one encoded.
 
@@ -53,6 +85,8 @@ def decode(
         vectors: by the names in ``WIDTHS``.
         robots: how many robots there are.
         where: the topic, for errors.
+        moving: what ``encode_moving`` found.
+        arms: how many joints each robot's arm has, where there are postures.
 
     Raises:
         InputError: a vector of another length, a number that is not finite or out of range, or
@@ -62,36 +96,52 @@ def decode(
         name: _rows(vectors[name], robots, width, f"{where}: {name}")
         for name, width in WIDTHS.items()
     }
-    poses = [Pose(row[:3], row[3:].reshape(3, 3)) for row in rows["ee"]]
-    for i, pose in enumerate(poses):
-        if np.abs(pose.rotation.T @ pose.rotation - np.eye(3)).max() > _SQUARE:
-            raise InputError(f"{where}: ee[{i}]: its last nine values are no rotation matrix")
+    poses = []
+    for i, row in enumerate(rows["ee"]):
+        try:
+            poses.append(pose_of(row))
+        except InputError as error:
+            raise InputError(f"{where}: ee[{i}]: {error}") from error
     ee, base = _fadings(rows["ee_lead"]), _fadings(rows["base_lead"])
-    return Setting(
+    setting = Setting(
         at,
         revision,
         tuple(SetPoint(pose, fading) for pose, fading in zip(poses, ee, strict=True)),
         tuple(SetPoint(row, fading) for row, fading in zip(rows["base"], base, strict=True)),
     )
+    for k, entry in enumerate(moving):
+        place = f"{where}: trajectories[{k}]"
+        if not 0 <= entry.robot < robots:
+            raise InputError(f"{place}: no such robot")
+        size = arms[entry.robot] if entry.of == POSTURE else WIDTHS["base"]
+        setting = _with(setting, entry, trajectory_of(entry, size, place), place)
+    return setting
 
 
-def _set_points(points: Iterable[Trajectory[T]]) -> tuple[SetPoint[T], ...]:
-    """Return references as the set-points that they are."""
-    found = []
-    for point in points:
-        if not isinstance(point, SetPoint) or point.fed:
-            raise InputError(f"references: a {type(point).__name__} is not sent, only set-points")
-        found.append(point)
-    return tuple(found)
+def _with(setting: Setting, entry: Moving, point: Trajectory[Any], where: str) -> Setting:
+    """Return a decision with one more of its references put in."""
+    i = entry.robot
+    if entry.of == EE and entry.frame != TOOL:
+        return replace(setting, frames={**setting.frames, (i, entry.frame): point})
+    if entry.of == EE:
+        return replace(setting, ee=(*setting.ee[:i], point, *setting.ee[i + 1 :]))
+    if entry.of == BASE:
+        return replace(setting, base=(*setting.base[:i], point, *setting.base[i + 1 :]))
+    if entry.of == POSTURE:
+        return replace(setting, postures={**setting.postures, i: point})
+    raise InputError(f"{where}: it is of neither a frame, a base nor a posture")
+
+
+def _set_point(point: Trajectory[T]) -> SetPoint[T]:
+    """Return a set-point; of another reference where it ends."""
+    if isinstance(point, SetPoint):
+        return point
+    return SetPoint(point.at(point.end))
 
 
 def _lead(point: SetPoint[Any], size: int) -> Vector:
     """Return start, duration, gap, rate and curvature of a set-point in one row."""
-    fading = point.fading
-    if fading is None:
-        return np.zeros(2 + 3 * size)
-    head = (fading.start, fading.duration)
-    return np.concatenate((head, fading.gap, fading.rate, fading.curvature))
+    return np.zeros(2 + 3 * size) if point.fading is None else lead_of(point.fading)
 
 
 def _rows(values: Any, robots: int, width: int, where: str) -> Matrix:
@@ -110,6 +160,4 @@ def _rows(values: Any, robots: int, width: int, where: str) -> Matrix:
 def _fadings(rows: Matrix) -> Iterator[Fading | None]:
     """Yield what is left of the way of each set-point."""
     for row in rows:
-        start, duration = float(row[0]), float(row[1])
-        gap, rate, curvature = row[2:].reshape(3, -1)
-        yield Fading(start, duration, gap, rate, curvature) if duration > 0.0 else None
+        yield fading_of(row) if row[1] > 0.0 else None

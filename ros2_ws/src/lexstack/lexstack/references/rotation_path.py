@@ -6,7 +6,8 @@ at the waypoints are those for which the angular acceleration is continuous too;
 
     s(t): rest -> rate 1 in the first interval, t in between, rate 1 -> rest in the last one
 
-each a quintic whose second derivative is zero at both ends.
+each a quintic whose second derivative is zero at both ends. Where the angular velocities at the
+waypoints are given, s is the time, and the angular acceleration may jump there.
 """
 
 from __future__ import annotations
@@ -30,18 +31,28 @@ class RotationPath:
         times: shape (N,), s.
         rotations: shape (N, 3, 3).
         cubics: phi = c_1 u + c_2 u^2 + c_3 u^3 with u the s since the waypoint, (N - 1, 3, 3).
+        timed: whether s is the time.
     """
 
     times: Vector
     rotations: NDArray[np.float64]
     cubics: NDArray[np.float64]
+    timed: bool = False
 
     @classmethod
-    def through(cls, times: Vector, rotations: NDArray[np.float64]) -> RotationPath:
-        """Return the path through rotations (N, 3, 3) at times (N,), the short way each."""
+    def through(
+        cls, times: Vector, rotations: NDArray[np.float64], turning: Matrix | None = None
+    ) -> RotationPath:
+        """Return the path through rotations (N, 3, 3) at times (N,), the short way each.
+
+        ``turning``: angular velocities there in the world, shape (N, 3), rad/s; None: smooth ones.
+        """
         turns = np.array([log3(a.T @ b) for a, b in pairwise(rotations)])
         spans = np.diff(times)
-        rates = _rates(times, rotations, turns)
+        if turning is None:
+            rates = _rates(times, rotations, turns)
+        else:
+            rates = np.einsum("kji,kj->ki", rotations, turning)  # in the body's axes
         cubics = np.empty((len(turns), 3, 3))
         for k, (turn, span) in enumerate(zip(turns, spans, strict=True)):
             # phi' at the ends from the angular velocity in the body's axes, w = J_r(phi) phi'.
@@ -50,7 +61,7 @@ class RotationPath:
             cubics[k, 0] = first
             cubics[k, 1] = (3.0 * turn / span - 2.0 * first - last) / span
             cubics[k, 2] = (first + last - 2.0 * turn / span) / span**2
-        return cls(times, rotations, cubics)
+        return cls(times, rotations, cubics, turning is not None)
 
     def at(self, stamp: float) -> Matrix:
         """Return the rotation at a time [s] between the first and the last, shape (3, 3)."""
@@ -74,6 +85,8 @@ class RotationPath:
         k = min(max(int(np.searchsorted(self.times, stamp, side="right")) - 1, 0), last)
         span = float(self.times[k + 1] - self.times[k])
         x = (stamp - float(self.times[k])) / span
+        if self.timed:
+            return k, x * span, 1.0
         if last == 0:
             s = x**3 * (10.0 + x * (6.0 * x - 15.0))
             return k, s * span, 30.0 * x * x * (1.0 - x) ** 2

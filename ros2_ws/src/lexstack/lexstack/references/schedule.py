@@ -15,7 +15,7 @@ from lexstack.references.set_point import SetPoint
 from lexstack.references.taking import taken
 from lexstack.references.timeline import ROUNDING, ReferenceTimeline, Setting
 from lexstack.references.twist_stream import Twist
-from lexstack.references.values import TOOL, References, Target, measured
+from lexstack.references.values import TOOL, Hold, References, Target, measured
 from lexstack.robots import Pose, Team
 from lexstack.types import Vector
 
@@ -50,6 +50,7 @@ class ReferenceSchedule:
             dt: control period [s], see ``ReferenceTimeline``.
         """
         self.timeline = ReferenceTimeline(dt)
+        self._dt = dt
         self._initial = initial
         self._given: tuple[frozenset[int], frozenset[int]] | None = None
         self._unicycles: frozenset[int] = frozenset()  # robots whose bases cannot go sideways
@@ -106,6 +107,11 @@ class ReferenceSchedule:
         """Whether the first references are decided."""
         return self.timeline.newest is not None
 
+    @property
+    def next(self) -> float:
+        """Time of the first tick that is not decided yet [s]: when a target of now takes effect."""
+        return max(self._decided + self._dt, 0.0)
+
     def begin(self, present: References) -> None:
         """Take the measured poses for first references, where none are given.
 
@@ -142,7 +148,7 @@ class ReferenceSchedule:
         if (
             target.robot in self._unicycles
             and path is not None
-            and not isinstance(path, np.ndarray)
+            and not isinstance(path, np.ndarray | Hold)
         ):
             check_along_heading(path, target.at)
         kind = target.kind
@@ -193,6 +199,8 @@ class ReferenceSchedule:
 
     def _placed(self, target: Target) -> bool:
         """Return whether the frame of a target has a pose, or will have one before it."""
+        if target.begin is not None:
+            return True
         last, coming = self.timeline.newest, self._coming[target.robot, target.kind]
         known = last is not None and (target.robot, target.frame) in last.frames
         return known or any(entry.at <= target.at for entry in coming)

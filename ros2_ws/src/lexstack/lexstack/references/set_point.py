@@ -123,8 +123,21 @@ def settled(motion: Trajectory[T], stamp: float) -> bool:
     return motion.settled(stamp) if isinstance(motion, SetPoint) else stamp >= motion.end
 
 
+def unled(motion: Trajectory[T]) -> Trajectory[T]:
+    """Return what a reference leads to: a set-point, or a trajectory, without the way to it."""
+    if isinstance(motion, Led):
+        return motion.goal
+    return SetPoint(motion.goal, space=motion.space) if isinstance(motion, SetPoint) else motion
+
+
 def led(
-    motion: Trajectory[T], goal: T, stamp: float, duration: float, space: Space[T]
+    motion: Trajectory[T],
+    goal: T,
+    stamp: float,
+    duration: float,
+    space: Space[T],
+    *,
+    fed: bool = False,
 ) -> SetPoint[T]:
     """Return the way from any reference to a set-point.
 
@@ -134,13 +147,32 @@ def led(
         stamp: time of the change [s].
         duration: of the way [s]; 0: the reference steps.
         space: of the goals.
+        fed: whether tasks shall add the velocity of the way in any case.
     """
     if duration <= 0.0:
         return SetPoint(goal, space=space)
-    fed = motion.rate(stamp) is not None
+    fed = fed or motion.rate(stamp) is not None
     still = settled(motion, stamp)
     way = faded(lambda t: space.gap(goal, motion.at(t)), stamp, duration, space, still=still)
     return SetPoint(goal, way, space, fed)
+
+
+def held(motion: Trajectory[T], stamp: float, duration: float, space: Space[T]) -> SetPoint[T]:
+    """Return the way from any reference to rest, by as much farther on as it needs for that.
+
+    From the velocity v the quintic ends at v T / 2 without turning back.
+
+    Args:
+        motion: the reference until now.
+        stamp: time of the change [s].
+        duration: T [s].
+        space: of its values.
+    """
+    here = motion.at(stamp)
+    if duration <= 0.0 or settled(motion, stamp):
+        return SetPoint(here, space=space)
+    rate = faded(lambda t: space.gap(here, motion.at(t)), stamp, duration, space).rate
+    return led(motion, space.moved(here, 0.5 * duration * rate), stamp, duration, space)
 
 
 def led_onto(

@@ -2,7 +2,9 @@
 
 The spline has degree 5 and no velocity or acceleration at either end, so that position, velocity
 and acceleration are continuous for all times. It is scipy's; pink, mink and placo leave
-interpolation between targets to their users.
+interpolation between targets to their users. Where velocities are given too, it is the quintic of
+``hermite``. It may then begin in motion, as one that is planned on the way does: before its first
+time it goes straight on.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import numpy as np
 
 from lexstack.errors import InputError
 from lexstack.options import shown
+from lexstack.references.hermite import hermite
 from lexstack.types import Matrix, Vector
 
 _LONGEST = 1e6  # s, of a trajectory
@@ -26,10 +29,12 @@ class Spline:
     Attributes:
         times: shape (N,), N >= 2, increasing, simulated time [s].
         values: shape (N, m): m and rad.
+        rates: velocities there, shape (N, m), m/s and rad/s, zero at the end; None: what is smooth.
     """
 
     times: Vector
     values: Matrix
+    rates: Matrix | None = None
     _curve: Any = field(init=False, repr=False)
     _slope: Any = field(init=False, repr=False)
 
@@ -41,12 +46,14 @@ class Spline:
             raise InputError(
                 f"values: expected {len(times)} rows of finite numbers, got shape {values.shape}"
             )
+        rates = checked_rates(self.rates, "rates", values.shape)
         times.setflags(write=False)
         values.setflags(write=False)
-        curve = quintic(times, values)
+        curve = quintic(times, values) if rates is None else hermite(times, values, rates)
         for name, value in (
             ("times", times),
             ("values", values),
+            ("rates", rates),
             ("_curve", curve),
             ("_slope", curve.derivative()),
         ):
@@ -62,17 +69,23 @@ class Spline:
         if stamp >= self.end:
             return np.asarray(self.values[-1])
         if stamp <= self.times[0]:
-            return np.asarray(self.values[0])
+            first, rate = np.asarray(self.values[0]), self._first
+            return first if rate is None else first + (stamp - self.times[0]) * rate
         return np.asarray(self._curve(stamp))
 
     def rate(self, stamp: float) -> Vector | None:
         """Return the derivative at a time [s], shape (m,); None before and after."""
-        if not self.times[0] < stamp < self.end:
-            return None
-        return np.asarray(self._slope(stamp))
+        if stamp <= self.times[0]:
+            return self._first
+        return None if stamp >= self.end else np.asarray(self._slope(stamp))
+
+    @property
+    def _first(self) -> Vector | None:
+        """The velocity with which it begins, shape (m,); None: it begins at rest."""
+        return self.rates[0] if self.rates is not None and self.rates[0].any() else None
 
 
-def base_spline(times: Vector, places: Matrix) -> Spline:
+def base_spline(times: Vector, places: Matrix, rates: Matrix | None = None) -> Spline:
     """Return the spline of a base through x [m], y [m], yaw [rad] at times, shape (N, 3).
 
     Each yaw is taken in the turn that is nearest to the one before it.
@@ -84,7 +97,7 @@ def base_spline(times: Vector, places: Matrix) -> Spline:
     if places.ndim != 2 or places.shape[1] != 3:
         raise InputError(f"places: expected rows of x, y, yaw, got shape {places.shape}")
     places[:, 2] = np.unwrap(places[:, 2])
-    return Spline(times, places)
+    return Spline(times, places, rates)
 
 
 def quintic(times: Vector, values: Matrix) -> Any:
@@ -112,3 +125,26 @@ def checked_times(values: object) -> Vector:
         k = int(late[0]) + 1
         raise InputError(f"times[{k}]: {times[k]:g} s is not after {times[k - 1]:g} s")
     return times
+
+
+def checked_rates(values: object, name: str, shape: tuple[int, ...]) -> Matrix | None:
+    """Return velocities as a new read-only array of a shape, or None for none.
+
+    Raises:
+        InputError: another shape, a number that is not finite, or a last row that is not zero.
+    """
+    if values is None:
+        return None
+    rates = np.array(values, dtype=np.float64)
+    if rates.shape != shape or not np.isfinite(rates).all():
+        raise InputError(f"{name}: expected finite numbers, shape {shape}, got {rates.shape}")
+    if rates[-1].any():
+        raise InputError(f"{name}[{len(rates) - 1}]: must be zero: the reference rests at the end")
+    rates.setflags(write=False)
+    return rates
+
+
+def load() -> None:
+    """Load what trajectories need of scipy: in the middle of a run it would be 30 late ticks."""
+    import scipy.interpolate  # noqa: PLC0415
+    import scipy.spatial.transform  # noqa: F401, PLC0415

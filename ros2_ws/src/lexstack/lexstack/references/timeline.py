@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
-from lexstack.references.set_point import settled
+from lexstack.references.set_point import settled, unled
 from lexstack.references.trajectory import Trajectory
 from lexstack.references.values import STILL, TOOL, Frame, Motion, References
 from lexstack.robots import Pose
@@ -46,6 +46,16 @@ class Setting:
             and all(settled(point, stamp) for point in self.base)
             and all(settled(point, stamp) for point in self.frames.values())
             and all(settled(point, stamp) for point in self.postures.values())
+        )
+
+    def unled(self) -> Setting:
+        """Return the decision as if nothing had been led in: set-points and trajectories alone."""
+        return replace(
+            self,
+            ee=tuple(unled(point) for point in self.ee),
+            base=tuple(unled(point) for point in self.base),
+            frames={key: unled(point) for key, point in self.frames.items()},
+            postures={robot: unled(point) for robot, point in self.postures.items()},
         )
 
     def references(self, stamp: float, ahead: float = 0.0) -> References:

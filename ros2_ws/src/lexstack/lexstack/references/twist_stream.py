@@ -132,8 +132,12 @@ class TwistStream:
         """
         rate = motion.rate(stamp)
         before = np.zeros(6) if rate is None else rate
-        follow = Ramp.between(stamp, motion.at(stamp), before, twist, twist.value)
-        late = stamp + twist.timeout
+        return cls.along(Ramp.between(stamp, motion.at(stamp), before, twist, twist.value), twist)
+
+    @classmethod
+    def along(cls, follow: Ramp, twist: Twist) -> TwistStream:
+        """Return the stream whose ramp to its twist is known."""
+        late = follow.start + twist.timeout
         stop = Ramp.between(late, follow.at(late), follow.rate(late), twist, np.zeros(6))
         return cls(twist, follow, stop, stop.at(stop.start + stop.duration))
 

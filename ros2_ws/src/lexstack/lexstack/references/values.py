@@ -111,24 +111,36 @@ def _mixed(source: list[Motion]) -> Motion:
 
 
 @dataclass(frozen=True, slots=True)
+class Hold:
+    """In place of a goal: the reference comes to rest near where it is, without a jump."""
+
+
+@dataclass(frozen=True, slots=True)
 class Target:
-    """One new reference of one robot, from a time on: exactly one of the four is given.
+    """One new reference of one robot, from a time on: exactly one of the three is given.
 
     Attributes:
         at: simulated time from which it holds [s].
         robot: the robot's place in the team.
-        ee: of a frame: a pose, a trajectory of poses, or a twist; or None.
-        base: of the base: x, y, yaw, shape (3,), or a trajectory of these; or None.
-        posture: of the arm: shape (n_arm,), rad, or a trajectory of these; or None.
+        ee: of a frame: a pose, a trajectory of poses, a twist, or ``Hold``; or None.
+        base: of the base: x, y, yaw, shape (3,), a trajectory of these, or ``Hold``; or None.
+        posture: of the arm: shape (n_arm,), rad, a trajectory of these, or ``Hold``; or None.
         frame: the name of the frame that ``ee`` is for; default: the tool.
+        begin: where the reference begins if there was none until then: a pose, or shape (n_arm,);
+            None: at the goal.
+        duration: in which it moves to a set-point, and is followed by its velocity too, or onto a
+            trajectory if that is longer than the lead-in [s]; None: the lead-in of the schedule,
+            and a set-point is followed by the gain alone.
     """
 
     at: float
     robot: int
-    ee: Pose | Trajectory[Pose] | Twist | None = None
-    base: Vector | Trajectory[Vector] | None = None
-    posture: Vector | Trajectory[Vector] | None = None
+    ee: Pose | Trajectory[Pose] | Twist | Hold | None = None
+    base: Vector | Trajectory[Vector] | Hold | None = None
+    posture: Vector | Trajectory[Vector] | Hold | None = None
     frame: str = TOOL
+    begin: Pose | Vector | None = None
+    duration: float | None = None
 
     @property
     def kind(self) -> str:

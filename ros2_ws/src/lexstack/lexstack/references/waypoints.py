@@ -2,7 +2,8 @@
 
 Positions are a spline of degree 5, rotations a path with continuous angular velocity and
 acceleration (``RotationPath``). Velocities and accelerations can be limited: times that are given
-are then checked; where none are given, they are found.
+are then checked; where none are given, they are found. Twists at the poses may be given: the way
+may then begin in motion, and before its first time it goes straight on.
 """
 
 from __future__ import annotations
@@ -13,14 +14,15 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
+import pinocchio as pin
 
 from lexstack.errors import InputError
 from lexstack.options import Range
 from lexstack.references.rotation_path import RotationPath
-from lexstack.references.spline import Spline, checked_times
+from lexstack.references.spline import Spline, checked_rates, checked_times
 from lexstack.robots import Pose
 from lexstack.robots.spatial import log3
-from lexstack.types import Vector
+from lexstack.types import Matrix, Vector
 
 _HALF_TURN = math.pi - 1e-3  # rad, between two waypoints: at pi the way round is not known
 _SAMPLES = 64  # of each interval, for the largest velocity and acceleration
@@ -59,10 +61,13 @@ class Waypoints:
     Attributes:
         times: shape (N,), N >= 2, increasing, simulated time [s].
         poses: N of them; the turn between two in a row must be less than half a turn.
+        twists: at the poses in the world, shape (N, 6), m/s and rad/s, zero at the end; None: what
+            is smooth.
     """
 
     times: Vector
     poses: tuple[Pose, ...]
+    twists: Matrix | None = None
     _positions: Spline = field(init=False, repr=False)
     _rotations: RotationPath = field(init=False, repr=False)
 
@@ -79,10 +84,14 @@ class Waypoints:
                     f"poses[{k}]: turned by {turn:.3f} rad from the one before: "
                     f"at most {_HALF_TURN:.3f}; put one in between"
                 )
-        rotations = RotationPath.through(times, np.array([pose.rotation for pose in poses]))
-        positions = Spline(times, np.array([pose.position for pose in poses]))
-        values = (times, poses, positions, rotations)
-        for name, value in zip(("times", "poses", "_positions", "_rotations"), values, strict=True):
+        twists = checked_rates(self.twists, "twists", (len(times), 6))
+        linear, turning = (None, None) if twists is None else (twists[:, :3], twists[:, 3:])
+        turns = np.array([pose.rotation for pose in poses])
+        rotations = RotationPath.through(times, turns, turning)
+        positions = Spline(times, np.array([pose.position for pose in poses]), linear)
+        names = ("times", "poses", "twists", "_positions", "_rotations")
+        values = (times, poses, twists, positions, rotations)
+        for name, value in zip(names, values, strict=True):
             object.__setattr__(self, name, value)
 
     @property
@@ -95,15 +104,30 @@ class Waypoints:
         if stamp >= self.end:
             return self.poses[-1]
         if stamp <= self.times[0]:
-            return self.poses[0]
+            return self._before(stamp)
         return Pose(self._positions.at(stamp), self._rotations.at(stamp))
 
     def rate(self, stamp: float) -> Vector | None:
         """Return the twist in the world at a time [s], shape (6,); None before and after."""
+        if stamp <= self.times[0]:
+            return self._first
         linear = self._positions.rate(stamp)
         if linear is None:
             return None
         return np.concatenate((linear, self._rotations.rate(stamp)))
+
+    def _before(self, stamp: float) -> Pose:
+        """Return the pose at a time before the first one [s]."""
+        first, twist = self.poses[0], self._first
+        if twist is None:
+            return first
+        away = (stamp - float(self.times[0])) * twist
+        return Pose(first.position + away[:3], np.asarray(pin.exp3(away[3:]) @ first.rotation))
+
+    @property
+    def _first(self) -> Vector | None:
+        """The twist with which it begins, shape (6,); None: it begins at rest."""
+        return self.twists[0] if self.twists is not None and self.twists[0].any() else None
 
 
 def timed_waypoints(
@@ -112,6 +136,7 @@ def timed_waypoints(
     *,
     start: float = 0.0,
     limits: MotionLimits | None = None,
+    twists: Matrix | None = None,
 ) -> Waypoints:
     """Return the way through poses within limits.
 
@@ -121,6 +146,7 @@ def timed_waypoints(
             time between two poses in proportion to what their distance and turn need.
         start: time of the first pose where no times are given [s].
         limits: None: none, and then times must be given.
+        twists: at the poses, where times are given; see ``Waypoints``.
 
     Raises:
         InputError: poses or times that make no way, or a way that is beyond a limit.
@@ -129,7 +155,7 @@ def timed_waypoints(
     limits = limits or MotionLimits()
     limits.validate("limits")
     if times is not None:
-        way = Waypoints(np.asarray(times, dtype=np.float64), tuple(poses))
+        way = Waypoints(np.asarray(times, dtype=np.float64), tuple(poses), twists)
         beyond = peaks(way) / limits.values
         worst = int(np.argmax(beyond))
         if beyond[worst] > _OVER:

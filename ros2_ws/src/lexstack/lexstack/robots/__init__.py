@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
-    from lexstack.robots.assembly import BASE_JOINTS, DRIVE, build_base
+    from lexstack.robots.assembly import BASE_JOINTS, DRIVE, TOOL, build_base
     from lexstack.robots.collision_geometry import Spheres
     from lexstack.robots.configuration import Configuration, FrameAt
     from lexstack.robots.description import description_path, is_text, located, urdf_text
@@ -35,7 +35,7 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
-            "assembly": "BASE_JOINTS DRIVE build_base",
+            "assembly": "BASE_JOINTS DRIVE TOOL build_base",
             "collision_geometry": "Spheres",
             "configuration": "Configuration FrameAt",
             "description": "description_path is_text located urdf_text",
@@ -56,6 +56,7 @@ else:
 __all__ = [
     "BASE_JOINTS",
     "DRIVE",
+    "TOOL",
     "AnyBase",
     "ArmConfig",
     "ArmFile",

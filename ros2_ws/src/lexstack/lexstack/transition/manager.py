@@ -65,7 +65,7 @@ class Transition:
             name: everyone if stack.robots is None else stack.robots
             for name, stack in stacks.items()
         }
-        self._stacks = stacks
+        self._stacks = dict(stacks)
         self._team = team
         self._whose = whose
         self._merger = PartialSampleMerger(team)
@@ -91,11 +91,6 @@ class Transition:
 
     # ---- what comes in between two ticks
 
-    def learn(self, stack: str) -> None:
-        """Let a stack be asked for that has been put into ``stacks`` since."""
-        robots = self._stacks[stack].robots
-        self._whose[stack] = tuple(range(len(self._team.robots))) if robots is None else robots
-
     def ask(
         self,
         stack: str,
@@ -118,6 +113,30 @@ class Transition:
         if refusal:
             return Answer(False, refusal)
         return self._book.ask(stack, duration, method, at_tick, self._tick, robots=some)
+
+    def ask_new(
+        self,
+        stack: Stack,
+        duration: float,
+        method: str,
+        at_tick: int,
+        robots: Collection[str] = (),
+    ) -> Answer:
+        """Return the answer to a request for a stack whose name nobody knows yet.
+
+        If it is accepted, the stack can be asked for by its name from now on. Whoever solves it in
+        the transition must know it too, see ``StackSolver.learn``. The rest is as in ``ask``.
+        """
+        name = stack.name
+        if name in self._stacks:
+            return Answer(False, f"stack {name!r} is known already")
+        self._stacks[name] = stack
+        everyone = tuple(range(len(self._team.robots)))
+        self._whose[name] = everyone if stack.robots is None else stack.robots
+        answer = self.ask(name, duration, method, at_tick, robots)
+        if not answer.accepted:
+            del self._stacks[name], self._whose[name]
+        return answer
 
     def set_defaults(self, duration: float, method: str) -> None:
         """Change what an empty duration [s] and method stand for; see RequestBook."""

@@ -111,7 +111,8 @@ def parser() -> argparse.ArgumentParser:
         prog="./scripts/replay",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="To play the bag to live nodes: ./scripts/replay BAG --publish --help",
+        epilog="To play the bag to live nodes: ./scripts/replay BAG --publish --help; "
+        "to look at it in a browser: ./scripts/replay BAG --view",
     )
     result.add_argument("bag", type=Path, help="run folder, bag folder or .mcap file")
     result.add_argument(

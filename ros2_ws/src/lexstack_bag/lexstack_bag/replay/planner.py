@@ -1,7 +1,8 @@
 """The MPC of the library, fed with the recorded states, sequences and changes: the same plans?
 
 Open loop, as for the other nodes: every plan begins at its recorded state, also with changes. What
-a solve takes from the one before it is the replayed one.
+a solve takes from the one before it, or from the plan of another robot, is the replayed one: plans
+are replayed in the order in which they were sent.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.mpc import ARCHITECTURES, Change, SequenceRunner, SequenceTask
+from lexstack.mpc import ARCHITECTURES, Change, SequenceRunner, SequenceTask, plans_of
 from lexstack.robots import Team
 from lexstack.transition import HeardPlan
 from lexstack.types import Matrix, RobotState, Vector
@@ -48,21 +49,15 @@ def replay_planner(question: Question) -> Outcome:
     if not question.run.plan_topics:
         raise BagError(f"{question.run.path}: holds no plan of the HTMPC")
     run, team = question.run, build_team(question.resolved)
-    scenario = question.resolved.scenario
-    config, blend = question.resolved.htmpc[scenario.htmpc.parameters], scenario.transition.duration
     found: dict[int, tuple[float, Matrix]] = {}  # by tick: stamp, and both plans of all robots
     width = max(plan_topics.plans.velocity.shape[1] for plan_topics in run.plan_topics.values())
     whole = sum(len(plan_topics.plans.tick) for plan_topics in run.plan_topics.values())
-    done = 0
-    for place, (name, plan_topics) in enumerate(run.plan_topics.items()):
-        runner = SequenceRunner(team, team.index(name), config, blend)
-        for tick, stamp, recorded, replayed in _plans(runner, plan_topics, States(run)):
-            if tick not in found:
-                found[tick] = stamp, np.full((2, len(run.plan_topics) * width), np.nan)
-            mine = slice(place * width, place * width + recorded.size)
-            found[tick][1][:, mine] = recorded, replayed
-            done += 1
-            question.progress(done / whole)
+    for done, (place, tick, stamp, recorded, replayed) in enumerate(_plans(question, team), 1):
+        if tick not in found:
+            found[tick] = stamp, np.full((2, len(run.plan_topics) * width), np.nan)
+        mine = slice(place * width, place * width + recorded.size)
+        found[tick][1][:, mine] = recorded, replayed
+        question.progress(done / whole)
     ticks = sorted(found)
     both = np.array([found[tick][1] for tick in ticks])
     return Outcome(
@@ -76,32 +71,65 @@ def replay_planner(question: Question) -> Outcome:
     )
 
 
-def _plans(
-    runner: SequenceRunner, plan_topics: PlanTopics, states: States
-) -> Iterator[tuple[int, float, Vector, Vector]]:
-    """Yield tick, stamp [s], recorded and replayed velocities of every plan of one robot.
+class _Robot:
+    """One robot's sequences, as the bag tells of them.
+
+    Attributes:
+        runner: what executes them.
+        plans: that were recorded.
+    """
+
+    def __init__(self, runner: SequenceRunner, topics: PlanTopics) -> None:
+        """Begin before the first event."""
+        self.runner = runner
+        self.plans = topics.plans
+        self._events = Arrivals([(event.sent, event) for event in topics.events])
+        self._tasks: tuple[SequenceTask, ...] = ()
+
+    def go_on(self, sent: int, states: States) -> None:
+        """Do what was done before a time [ns]; raises BagError for a change of what is unknown."""
+        for event in self._events.until(sent):
+            if event.tick in states:
+                try:
+                    _apply(self.runner, event, self._tasks, states[event.tick])
+                except InputError as error:  # events before it are not in the bag
+                    where = f"{PLANNER}: {event.event} at tick {event.tick}"
+                    raise BagError(f"{where}: {error}") from error
+            self._tasks = event.tasks
+
+
+def _plans(question: Question, team: Team) -> Iterator[tuple[int, int, float, Vector, Vector]]:
+    """Yield of every plan, in the order of their sending, what ``replay_planner`` compares.
+
+    These are the robot's place among those with plans, tick, stamp [s], recorded and replayed
+    velocities.
 
     Raises:
         BagError: the bag holds a change, but not what it changes.
     """
-    events = Arrivals([(event.sent, event) for event in plan_topics.events])
-    plans = plan_topics.plans
-    tasks: tuple[SequenceTask, ...] = ()
-    for row, tick in enumerate(plans.tick):
-        for event in events.until(int(plans.sent[row])):
-            if event.tick in states:
-                try:
-                    _apply(runner, event, tasks, states[event.tick])
-                except InputError as error:  # events before it are not in the bag
-                    where = f"{PLANNER}: {event.event} at tick {event.tick}"
-                    raise BagError(f"{where}: {error}") from error
-            tasks = event.tasks
-        recorded = plans.velocity[row]
+    run, scenario = question.run, question.resolved.scenario
+    config, blend = question.resolved.htmpc[scenario.htmpc.parameters], scenario.transition.duration
+    states = States(run)
+    robots = [
+        _Robot(SequenceRunner(team, team.index(name), config, blend), topics)
+        for name, topics in run.plan_topics.items()
+    ]
+    runners = {robot.runner.robot: robot.runner for robot in robots}
+    rows = [
+        (int(sent), place, row)
+        for place, robot in enumerate(robots)
+        for row, sent in enumerate(robot.plans.sent)
+    ]
+    for sent, place, row in sorted(rows):
+        for robot in robots:
+            robot.go_on(sent, states)
+        runner, plans = robots[place].runner, robots[place].plans
+        tick, recorded = int(plans.tick[row]), plans.velocity[row]
         replayed = np.full_like(recorded, np.nan)
-        if int(tick) in states and runner.sequence is not None:
-            found = runner.step(states[int(tick)]).plan.v.ravel()
+        if tick in states and runner.sequence is not None:
+            found = runner.step(states[tick], plans_of(runners)).plan.v.ravel()
             replayed = found if found.shape == recorded.shape else replayed
-        yield int(tick), float(plans.stamp[row]), recorded, replayed
+        yield place, tick, float(plans.stamp[row]), recorded, replayed
 
 
 def _apply(

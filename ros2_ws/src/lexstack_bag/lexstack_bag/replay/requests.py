@@ -32,6 +32,7 @@ class Ask:
         duration: of the blend [s]; 0: as configured.
         method: empty: as configured.
         robots: names of those that shall go; empty: all that the stack moves.
+        text: YAML of the stack, where a user sent it.
     """
 
     after: int
@@ -41,6 +42,7 @@ class Ask:
     duration: float
     method: str
     robots: tuple[str, ...] = ()
+    text: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +110,7 @@ def _reconstructed(run: Run, begun: Collection[int]) -> Iterator[Ask | Cancel]:
             if message.active and message.id not in known | own:
                 robots = _some(run, message)
                 entry = after, message.id, message.stack, message.start_tick
-                asks.append(Ask(*entry, 0.0, "", robots))
+                asks.append(Ask(*entry, 0.0, "", robots, message.text))
             known.add(message.id)
         if after not in cancelled:
             yield from asks

@@ -76,7 +76,8 @@ def errors(run: Run, time_series: TimeSeries, phases: Sequence[Phase], grid: Gri
         "Distance to the references",
         "Logarithmic. The dashed green lines are our goals: 1 mm for the end effectors at the "
         "end, 5 mm for the bases after (A). A base error outside a phase with a base task is no "
-        "fault: nothing asks for it there. Values below 1 µm are drawn at 1 µm.",
+        "fault: nothing asks for it there. Where a reference moves, as a trajectory does, this is "
+        "the error of tracking it. Values below 1 µm are drawn at 1 µm.",
         traces,
         layout,
     )

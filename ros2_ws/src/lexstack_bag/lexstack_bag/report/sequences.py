@@ -75,15 +75,18 @@ def _sequences_table(sequences: Sequence[SequenceMetrics]) -> Markup:
 
 def _tasks_table(sequences: Sequence[SequenceMetrics]) -> Markup:
     """Return a row for every task."""
-    head = ["sequence", "task", "first from [s]", "done at [s]", "took [s]", "error [mm]"]
+    head = ["sequence", "task", "moves", "first from [s]", "done at [s]", "took [s]"]
+    head += ["error [mm]", "error [mrad]"]
     rows = [
         [
             one.title,
             task.name,
+            task.moves,
             f"{task.first_s:.2f}",
             _done(task.done_s),
             number(None if task.done_s is None else task.done_s - task.first_s, 2),
             number(task.error_mm, 2),
+            number(task.error_mrad, 2),
         ]
         for one in sequences
         for task in one.tasks
@@ -148,6 +151,8 @@ def _goals(run: Run, *, relative: bool) -> dict[str, tuple[float, float]]:
     for name, plan_topics in run.plan_topics.items():
         x0, y0 = _origin(run, name) if relative else (0.0, 0.0)
         for task in goals_in(plan_topics).values():
+            if task.kind in ("ee_orientation", "joint_positions"):
+                continue  # they are nowhere
             x, y = task.points[-1][0] - x0, task.points[-1][1] - y0
             known = any(abs(x - a) + abs(y - b) < _PLACES for a, b in goals.values())
             whose = "" if len(run.plan_topics) == 1 or relative else f", {name}"

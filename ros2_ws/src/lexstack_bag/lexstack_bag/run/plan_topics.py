@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.mpc import MEASURES, SequenceTask
+from lexstack.mpc import COLUMNS, SequenceTask
+from lexstack.robots import TOOL
 from lexstack_bag.errors import BagError
 from lexstack_bag.run.columns import StreamBuilder, seconds
 from lexstack_bag.run.run import PlanStream, PlanTopics, ProgressStream, SequenceEvent
@@ -125,7 +126,9 @@ def _tasks(message: Any) -> tuple[SequenceTask, ...]:
     numbers = [float(value) for value in message.coordinates]
     tasks = []
     for task in message.tasks:
-        columns = MEASURES[task.kind].columns
+        # Bags from before tasks had frames and joints know neither.
+        frame, joints = getattr(task, "frame", ""), tuple(getattr(task, "joints", ()))
+        columns = COLUMNS[task.kind] or len(task.positions) // len(task.points)
         points = []
         for _ in task.points:
             points.append(tuple(numbers[:columns]))
@@ -141,6 +144,8 @@ def _tasks(message: Any) -> tuple[SequenceTask, ...]:
                 float(task.tolerance_angle),
                 float(task.dwell),
                 bool(task.held),
+                frame or TOOL,
+                joints,
             )
         )
     return tuple(tasks)

@@ -16,6 +16,7 @@ _PACKAGES = {
     "mujoco": "mujoco",
     "scipy": "scipy",
     "daqp": "daqp",
+    "numba": "numba",
     "proxsuite": "proxsuite",
     "casadi": "casadi",
     "pin": "pin",
@@ -26,9 +27,10 @@ _PATIENCE = 5.0  # s for git to answer
 UNKNOWN = "unknown"
 
 
-def run_provenance(resolved: ResolvedScenario) -> dict[str, str]:
+def run_provenance(resolved: ResolvedScenario, namespace: str = "") -> dict[str, str]:
     """Return the keys of the Metadata record ``lexstack``.
 
+    ``namespace`` is that of the run's topics, like /cell1, and stands there unless it is empty;
     ``scenario`` holds the resolved scenario's YAML; ``name``, ``mode`` and ``seed`` repeat what
     stands in it, for tools that do not parse it; ``commit`` is that of the source, with ``+`` where
     files have changed since; the rest are versions.
@@ -46,6 +48,7 @@ def run_provenance(resolved: ResolvedScenario) -> dict[str, str]:
         # A workspace has no metadata of its packages, so ours says its version itself.
         "lexstack": lexstack.__version__,
         **{key: installed_version(package) for key, package in _PACKAGES.items()},
+        **({"namespace": namespace} if namespace else {}),
     }
 
 

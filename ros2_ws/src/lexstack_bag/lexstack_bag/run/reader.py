@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 from bisect import bisect_right
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
@@ -14,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from lexstack.errors import ConfigurationError, InputError
-from lexstack.references import WIDTHS, Setting, decode
+from lexstack.references import WIDTHS, Moving, Setting, decode
 from lexstack.robots import Team
+from lexstack.tasks import StackConfig
 from lexstack_bag.errors import BagError
 from lexstack_bag.run.columns import StreamBuilder, seconds
 from lexstack_bag.run.loss import LossCounter
@@ -42,9 +44,11 @@ from lexstack_bag.topics import (
     SCENARIO,
     SOLUTION,
     TRANSITION,
+    role_names,
 )
 from lexstack_config.parts import build_team
 from lexstack_config.resolved import ResolvedScenario
+from lexstack_config.sent_stacks import read_stack
 
 _BROUGHT = "lexstack_experiments"
 """Brings the methods and solvers that were the library's own when bags had no extensions."""
@@ -106,13 +110,15 @@ def read_provenance(container: Container) -> tuple[dict[str, str], ResolvedScena
     """Return what a bag says about its run, and the scenario.
 
     The scenario stands in a Metadata record if lexstack's recorder wrote the bag; in any other bag
-    it is the message that the controller publishes.
+    it is the message that the controller publishes. From then on the container tells topics
+    without the namespace of the run.
 
     Raises:
         BagError: the bag has neither.
     """
     path = container.files[0]
     provenance = container.first_metadata(SCENARIO_RECORD)
+    container.namespace = provenance.pop("namespace", "")
     text = provenance.pop("scenario", None) or _published_scenario(container)
     if text is None:
         raise BagError(
@@ -138,11 +144,32 @@ def _since() -> dict[str, object]:
 
 
 def _published_scenario(container: Container) -> str | None:
-    """Return the scenario that the controller published, or None; raises BagError."""
+    """Return the scenario that a controller published, or None; raises BagError.
+
+    The container takes over its namespace. Of several cells that without a namespace counts; where
+    all have one, the bag does not say which is meant.
+    """
+    cells = sorted(
+        cell for cell in map(_cell_of, container.topics_of_all_files()) if cell is not None
+    )
+    if len(cells) > 1 and cells[0]:
+        raise BagError(
+            f"{container.files[0]}: holds the runs of {', '.join(cells)}; record each in a bag of "
+            f"its own: ros2 bag record --regex '^{cells[0]}/'"
+        )
+    container.namespace = cells[0] if cells else ""
     decode = Decoder()
-    for message in container.messages():
+    for message in container.messages() if cells else ():
         if message.topic == SCENARIO:
             return str(getattr(decode(message), "data", ""))
+    return None
+
+
+def _cell_of(topic: str) -> str | None:
+    """Return the namespace of a controller whose scenario is on a topic, None for other topics."""
+    for name in (SCENARIO, role_names()[SCENARIO]):
+        if topic.endswith(name):
+            return topic.removesuffix(name)
     return None
 
 
@@ -161,6 +188,7 @@ class _Collector:
         self._only = only
         self.stretches = Stretches()
         self._resolved = resolved
+        self._arms = [len(robot.mid_range) for robot in team.robots]
         self._counts: dict[str, int] = defaultdict(int)
         self.losses: dict[str, LossCounter] = defaultdict(LossCounter)
         self._plant = StreamBuilder(PlantStream, team.n, "first", team.nq)
@@ -213,10 +241,11 @@ class _Collector:
         if not len(plant.tick):
             raise BagError(f"{path}: holds no message of {PLANT_STATE}")
         chi = {topic.split("/")[1]: builder.build() for topic, builder in self._chi.items()}
+        requested = self._requests()
         return Run(
             path,
             provenance,
-            self._resolved,
+            with_sent(self._resolved, requested),
             plant,
             {node: last for node, (last, _) in chi.items()},
             self._transition.build(),
@@ -224,7 +253,7 @@ class _Collector:
             dict(sorted(self._counts.items())),
             _lost(container, self.losses),
             container.complete,
-            self._requests(),
+            requested,
             {node: replaced for node, (_, replaced) in chi.items()},
             self._plan_topics.build(),
             tuple(self._settings),
@@ -242,10 +271,16 @@ class _Collector:
         """Take a decision on references; one for an earlier time follows a reset of the plant."""
         value = self._decode(message)
         vectors = {name: getattr(value, name) for name in WIDTHS}
-        robots = len(self._resolved.scenario.robots)
+        names = list(self._resolved.scenario.robots)
         try:
-            at = seconds(value.header.stamp)
-            setting = decode(at, value.revision, vectors, robots, DECISIONS)
+            moving = [
+                Moving(names.index(m.robot), m.of, m.kind, m.values, m.lead, m.frame)
+                for m in getattr(value, "trajectories", ())  # older bags have none
+                if m.robot in names
+            ]
+            at, where = seconds(value.header.stamp), DECISIONS
+            rest = {"moving": moving, "arms": self._arms}
+            setting = decode(at, value.revision, vectors, len(names), where, **rest)
         except InputError:
             return  # the solver refused it, too
         if self._settings and setting.at < self._settings[-1].at:
@@ -279,8 +314,20 @@ class _Collector:
             after = int(ticks[before - 1]) if before else -1
             robots = tuple(getattr(message, "robots", ()))  # older bags have none
             entry = message.id, message.stack, message.start_tick, message.active, robots
-            found.append(StackRequested(after, *entry))
+            found.append(StackRequested(after, *entry, getattr(message, "stack_yaml", "")))
         return tuple(found)
+
+
+def with_sent(resolved: ResolvedScenario, requested: Iterable[StackRequested]) -> ResolvedScenario:
+    """Return a scenario with the stacks that users sent in its run beside its own."""
+    stacks: dict[str, StackConfig] = dict(resolved.stacks)
+    for request in requested:
+        if request.text and request.stack not in stacks:
+            try:
+                stacks[request.stack] = read_stack(request.text)
+            except ConfigurationError:
+                continue  # the solver refused it, too
+    return replace(resolved, stacks=stacks) if len(stacks) > len(resolved.stacks) else resolved
 
 
 def _lost(container: Container, losses: dict[str, LossCounter]) -> int:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 
-from lexstack.references import ROUNDING, References
+from lexstack.references import ROUNDING, References, ReferenceTimeline
 from lexstack.references import Target as ScheduledTarget
 from lexstack.robots import Pose, Team, from_quaternion
 from lexstack_bag.run.run import Run, Target
@@ -30,7 +32,8 @@ def is_usable(target: Target) -> bool:
 def references_in_effect(run: Run, team: Team) -> tuple[References, ...]:
     """Return the goals at every tick of the plant: the decisions, in older bags the targets.
 
-    A set-point that is led in counts as its goal. The controller may put a change off by the few
+    A set-point that is led in counts as its goal, and a trajectory that is led onto as itself. The
+    controller may put a change off by the few
     ticks until the solver answers; that is not seen here.
     """
     if run.settings:
@@ -44,18 +47,16 @@ def references_in_effect(run: Run, team: Team) -> tuple[References, ...]:
 
 
 def _goals(run: Run) -> tuple[References, ...]:
-    """Return the goals of the decision in effect at every tick, one object for each decision."""
-    decided = [
-        References(
-            tuple(point.goal for point in setting.ee),
-            tuple(point.goal for point in setting.base),
-            setting.revision,
-        )
-        for setting in run.settings
-    ]
-    starts = np.array([setting.at for setting in run.settings])
-    places = np.searchsorted(starts, run.plant.stamp + ROUNDING, side="right") - 1
-    return tuple(decided[max(place, 0)] for place in places)
+    """Return the goals of the decision in effect at every tick, one object while none moves."""
+    timeline = ReferenceTimeline(run.period)
+    coming = deque(run.settings)
+    timeline.hear(coming.popleft().unled())
+    found = []
+    for stamp in run.plant.stamp.tolist():
+        while coming and coming[0].at <= stamp + ROUNDING:
+            timeline.hear(coming.popleft().unled())
+        found.append(timeline.at(stamp))
+    return tuple(found)
 
 
 def scheduled(target: Target, team: Team) -> ScheduledTarget:

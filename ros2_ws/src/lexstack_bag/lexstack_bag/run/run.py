@@ -133,6 +133,7 @@ class StackRequested:
     start_tick: int
     active: bool  # False: no longer to be solved
     robots: tuple[str, ...] = ()  # names of those that shall go there; empty: all that it moves
+    text: str = ""  # YAML of the stack, where a user sent it
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,7 +203,7 @@ class Run:
 
     path: Path  # of the first .mcap file
     provenance: dict[str, str]  # the Metadata record `lexstack`: versions, mode, seed
-    resolved: ResolvedScenario
+    resolved: ResolvedScenario  # with the stacks that users sent meanwhile
     plant: PlantStream
     chi: dict[str, ChiStream]  # by robot
     transition: TransitionStream

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -25,6 +25,8 @@ class TaskTime:
     first_s: float  # s, since when it was the first one
     done_s: float | None  # s; None: not done
     error_mm: float | None  # of its goal, mean over the last STEADY_WINDOW before it was done
+    error_mrad: float | None = None  # likewise; 0 where a task has no angles
+    moves: str = ""  # what: a frame, the base or joints; empty: the bag does not say
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,12 +128,14 @@ def _figures(robot: str, plan_topics: PlanTopics, rows: NDArray[np.int64]) -> Se
             for level, column in enumerate(errors.T)
             if np.isfinite(column).any()
         },
-        tuple(_tasks(progress, rows)),
+        tuple(_tasks(progress, rows, goals_in(plan_topics))),
         not len(over) and _is_cancelled(plan_topics, rows),
     )
 
 
-def _tasks(progress: ProgressStream, rows: NDArray[np.int64]) -> Iterator[TaskTime]:
+def _tasks(
+    progress: ProgressStream, rows: NDArray[np.int64], goals: Mapping[str, SequenceTask]
+) -> Iterator[TaskTime]:
     """Yield the tasks in the order in which they were first."""
     index = progress.index[rows]
     edges = [0, *(np.flatnonzero(np.diff(index)) + 1).tolist()]
@@ -142,8 +146,19 @@ def _tasks(progress: ProgressStream, rows: NDArray[np.int64]) -> Iterator[TaskTi
         end = edges[place + 1] if done else len(rows)
         mine = rows[begin:end]
         stop = float(progress.stamp[rows[end]]) if done else None
-        error = None
+        error = angle = None
         if stop is not None:
             late = mine[progress.stamp[mine] >= stop - STEADY_WINDOW - 1e-6]
-            error = float(_MM * progress.error[late].mean()) if len(late) else None
-        yield TaskTime(str(progress.task[mine[-1]]), float(progress.stamp[mine[0]]), stop, error)
+            if len(late):
+                error = float(_MM * progress.error[late].mean())
+                angle = float(_MM * progress.error_angle[late].mean())
+        name = str(progress.task[mine[-1]])
+        moves = moved_by(goals[name]) if name in goals else ""
+        yield TaskTime(name, float(progress.stamp[mine[0]]), stop, error, angle, moves)
+
+
+def moved_by(task: SequenceTask) -> str:
+    """Return what a task moves, in words: a frame, the base, or joints."""
+    if task.kind == "joint_positions":
+        return ", ".join(task.joints) or "all joints"
+    return task.frame if task.kind.startswith("ee") else "base"

@@ -13,11 +13,13 @@ from pathlib import Path
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile, McapError
 from mcap.opcode import Opcode
+from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 from zstandard import ZstdError
 
 from lexstack_bag.errors import BagError
+from lexstack_bag.topics import plain_name
 
 _RECORD = struct.Struct("<BQ")  # opcode, length of what follows
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
@@ -30,7 +32,7 @@ Progress = Callable[[float], None]
 class RawMessage:
     """One message as it lies in a bag."""
 
-    topic: str
+    topic: str  # see plain_name
     schema: Schema
     data: bytes
     log_time: int  # ns since 1970: when it was received
@@ -62,11 +64,14 @@ class Container:
         metadata: content of the Metadata records seen so far, by name; the last of a name counts.
         complete: False once a file turned out to end before its end, as after a kill.
         topics: type and metadata of each topic seen so far, by name.
+        namespace: of the run, like /cell1: names are told without it, and topics outside of it
+            are left out; empty: none.
     """
 
-    def __init__(self, files: list[Path]) -> None:
+    def __init__(self, files: list[Path], namespace: str = "") -> None:
         """Take the files of a bag; nothing is read yet."""
         self.files = files
+        self.namespace = namespace
         self.metadata: dict[str, dict[str, str]] = {}
         self.complete = True
         self.topics: dict[str, tuple[str, dict[str, str]]] = {}
@@ -83,6 +88,27 @@ class Container:
                     return dict(record.metadata)
         return {}
 
+    def topics_of_all_files(self) -> set[str]:
+        """Return the names of all topics, those outside of the namespace too.
+
+        They stand in the index at the end of each file; of a file without one all is read.
+        """
+        found: set[str] = set()
+        for path in self.files:
+            try:
+                with path.open("rb") as stream:
+                    summary = make_reader(stream).get_summary()
+            except (OSError, McapError, struct.error, ValueError):
+                summary = None
+            if summary is None or not summary.channels:
+                whole = Container([path])
+                for _ in whole.messages():
+                    pass
+                found.update(whole.topics)
+            else:
+                found.update(channel.topic for channel in summary.channels.values())
+        return found
+
     def messages(self, progress: Progress = lambda _part: None) -> Iterator[RawMessage]:
         """Yield every message; raises BagError for what is not a bag or is damaged."""
         try:
@@ -91,12 +117,14 @@ class Container:
             raise BagError(f"{error.filename}: cannot be read: {error.strerror}") from error
         before, whole = 0, max(sum(sizes), 1)
         for path, size in zip(self.files, sizes, strict=True):
-            names = _Names(self.topics)
+            names = _Names(self.topics, self.namespace)
             for record, offset in self._records(path):
                 if isinstance(record, Chunk):
                     yield from _contents(record, names, path)
                 elif isinstance(record, Message):
-                    yield names.message(record)
+                    message = names.message(record)
+                    if message.topic:
+                        yield message
                 else:
                     self._keep(record, names)
                 progress((before + offset) / whole)
@@ -148,6 +176,7 @@ class _Names:
     """The definitions of one file so far, by the ids that its messages bear."""
 
     topics: dict[str, tuple[str, dict[str, str]]]  # type and metadata, of all files
+    namespace: str
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
 
@@ -157,12 +186,14 @@ class _Names:
             self.schemas[record.id] = record
         else:
             self.channels[record.id] = record
-            self.topics[record.topic] = self.schemas[record.schema_id].name, record.metadata
+            topic = plain_name(record.topic, self.namespace)
+            if topic:
+                self.topics[topic] = self.schemas[record.schema_id].name, record.metadata
 
     def of(self, channel: int) -> tuple[str, Schema]:
-        """Return a channel's topic and schema."""
+        """Return a channel's topic, '' outside of the namespace, and its schema."""
         found = self.channels[channel]
-        return found.topic, self.schemas[found.schema_id]
+        return plain_name(found.topic, self.namespace), self.schemas[found.schema_id]
 
     def message(self, record: Message) -> RawMessage:
         """Return a message that stands outside of chunks."""
@@ -186,8 +217,9 @@ def _contents(chunk: Chunk, names: _Names, path: Path) -> Iterator[RawMessage]:
                 channel, sequence, received, sent = _MESSAGE.unpack_from(data, place)
                 if channel not in known:
                     known[channel] = names.of(channel)
-                content = data[place + _MESSAGE.size : place + length]
-                yield RawMessage(*known[channel], content, received, sent, sequence)
+                if known[channel][0]:
+                    content = data[place + _MESSAGE.size : place + length]
+                    yield RawMessage(*known[channel], content, received, sent, sequence)
             elif opcode == Opcode.SCHEMA:
                 names.learn(Schema.read(_stream(data[place : place + length])))
             elif opcode == Opcode.CHANNEL:

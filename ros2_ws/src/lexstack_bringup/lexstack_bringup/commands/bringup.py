@@ -23,10 +23,12 @@ from lexstack_bringup.commands.demo import (
     tell_unfit,
 )
 from lexstack_bringup.hosts import SERVER, VARIABLES, HostsConfig, load_hosts
+from lexstack_bringup.naming import Naming
 from lexstack_bringup.player import PLAYER
 from lexstack_bringup.processes import NODES, PLANNERS, bring_up, nodes_of
 from lexstack_bringup.shared_memory import remove_abandoned
 from lexstack_bringup.supervisor import Supervisor
+from lexstack_config.own_folder import own_config, own_root
 from lexstack_config.resolved import ResolvedScenario
 
 _LOOK = 0.2  # s between two looks whether all still run
@@ -35,17 +37,17 @@ _KNOWN = (*NODES, *PLANNERS, PLAYER, SERVER)
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command; returns 0, 1 where a node failed, 2 for bad arguments, 130 for Ctrl-C."""
-    root = Path(os.environ.get("LEXSTACK_ROOT", ".")).resolve()
+    root, config = own_root(), own_config()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, interrupt)
     try:
-        options = _parser(root).parse_args(arguments)
-        hosts = load_hosts(_host_file(root, options.host_config), _KNOWN)
+        options = _parser(config).parse_args(arguments)
+        hosts = load_hosts(_host_file(config, options.host_config), _KNOWN)
         only = [name.strip() for name in options.only.split(",") if name.strip()]
         host = hosts.share(only)
-        resolved = resolve_scenario(root, options)
+        resolved = resolve_scenario(config, options)
         needed = hosts.needed((*nodes_of(resolved.scenario), PLAYER), resolved.scenario.name)
-        share = Share(host, hosts, only, needed)
+        share = Share(host, hosts, only, needed, Naming.of(options))
         out = run_folder(root, options.out, f"{resolved.scenario.name}-{share.host}")
     except ConfigurationError as error:
         print(f"error: {error}", file=sys.stderr)
@@ -63,11 +65,17 @@ class Share:
     """What one host runs."""
 
     def __init__(
-        self, host: str, hosts: HostsConfig, only: Sequence[str], needed: Sequence[str]
+        self,
+        host: str,
+        hosts: HostsConfig,
+        only: Sequence[str],
+        needed: Sequence[str],
+        naming: Naming,
     ) -> None:
         """Take the nodes ``only`` of ``host``; those that are not ``needed`` stay away."""
         self.host = host
         self._hosts = hosts
+        self._naming = naming
         self._only = [node for node in only if node in needed]
         self._away = [node for node in only if node not in needed]
         self._peers = [node for node in needed if node not in only and node != SERVER]
@@ -112,12 +120,13 @@ class Share:
         """Start the nodes, and say when they are connected with all others."""
         path, bag = out / "scenario.yaml", out / "bag"
         peers = [*self._peers, *users]
-        bring_up(supervisor, path, bag, peers, nodes=self._only, timeout=self._hosts.wait)
+        wait, naming = self._hosts.wait, self._naming
+        bring_up(supervisor, path, bag, peers, nodes=self._only, timeout=wait, naming=naming)
         print(f"{self.host}: all nodes are connected", flush=True)
 
     def _play(self, resolved: ResolvedScenario, supervisor: Supervisor, out: Path) -> None:
         """Bring up, and play the scenario from this process."""
-        with player_of(resolved) as player:
+        with player_of(resolved, self._naming) as player:
             self._bring_up(supervisor, out, users=[PLAYER])
             play_shown(resolved, player, supervisor)
             print(f"{self.host}: the scenario has been played", flush=True)
@@ -139,7 +148,7 @@ def _end(supervisor: Supervisor) -> None:
     remove_abandoned()
 
 
-def _parser(root: Path) -> argparse.ArgumentParser:
+def _parser(config: Path) -> argparse.ArgumentParser:
     """Return the command line."""
     parser = argparse.ArgumentParser(
         prog="./scripts/bringup",
@@ -155,13 +164,13 @@ def _parser(root: Path) -> argparse.ArgumentParser:
         metavar="FILE",
         help="which node runs where: a file, or the name of one in config/hosts",
     )
-    add_run_arguments(parser, root)
+    add_run_arguments(parser, config)
     return parser
 
 
-def _host_file(root: Path, given: str) -> Path:
+def _host_file(config: Path, given: str) -> Path:
     """Return a configured file by its name, or any file."""
-    configured = root / "config" / "hosts" / f"{given}.yaml"
+    configured = config / "hosts" / f"{given}.yaml"
     return configured if is_file(configured) else Path(given)
 
 

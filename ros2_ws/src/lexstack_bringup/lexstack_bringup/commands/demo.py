@@ -8,7 +8,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -25,11 +25,14 @@ from lexstack_bag.figures.goals import summary_lines
 from lexstack_bag.storage.folders import empty_folder
 from lexstack_bringup.domain import own_domain
 from lexstack_bringup.live_page import start_page
+from lexstack_bringup.naming import Naming, add_naming_arguments
 from lexstack_bringup.player import PLAYER, Player
-from lexstack_bringup.processes import bring_up
+from lexstack_bringup.processes import ADAPTER, PLAIN, RECORDER, bring_up
+from lexstack_bringup.real_plant import RealPlant, real_plant, robots_domain
 from lexstack_bringup.supervisor import Supervisor
 from lexstack_config.available import FOR_OTHERS
 from lexstack_config.checked import checked
+from lexstack_config.own_folder import own_config, own_root
 from lexstack_config.resolved import ResolvedScenario, load_scenario
 from lexstack_interfaces.msg import TransitionStatus
 from lexstack_ros.messages.names import PAGE
@@ -48,17 +51,20 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command; returns 0, 1 where the run failed, 2 for bad arguments, 130 for Ctrl-C."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, interrupt)
-    root = Path(os.environ.get("LEXSTACK_ROOT", ".")).resolve()
+    root, config = own_root(), own_config()
     try:
-        options = _parser(root).parse_args(arguments)
-        resolved = resolve_scenario(root, options)
-        recording = recorder_parameters(options)
+        options = _parser(config).parse_args(arguments)
+        resolved = resolve_scenario(config, options)
+        options.real = real_plant(root, options, resolved)
+        if options.real is not None:
+            resolved = options.real.applied(resolved)
+        recording, naming = recorder_parameters(options), Naming.of(options)
         out = run_folder(root, options.out, resolved.scenario.name)
     except ConfigurationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     try:
-        return _run(resolved, out, recording, view=options.view)
+        return _run(resolved, out, recording, naming, view=options.view, real=options.real)
     except LexstackError as error:
         print(f"\nerror: {error}\nlogs: {out / 'logs'}", file=sys.stderr)
         return 1
@@ -67,24 +73,33 @@ def main(arguments: list[str] | None = None) -> int:
         return 130
 
 
-def _parser(root: Path) -> argparse.ArgumentParser:
+def _parser(config: Path) -> argparse.ArgumentParser:
     """Return the command line."""
     parser = argparse.ArgumentParser(
         prog="./scripts/demo",
         description="Run a scenario through all processes: simulation, controller, solver, "
         "recorder; then analyse its bag.",
     )
-    add_run_arguments(parser, root)
+    add_run_arguments(parser, config)
     parser.add_argument(
         "--view", action="store_true", help="serve a page that shows the run, with buttons"
+    )
+    parser.add_argument(
+        "--plant",
+        metavar="FILE",
+        help="robots of your own in place of the simulation: a plant file, or a name in "
+        "config/plants",
+    )
+    parser.add_argument(
+        "--enable", action="store_true", help="with --plant: enable the robots at once; they move"
     )
     add_recording_arguments(parser)
     return parser
 
 
-def add_run_arguments(parser: argparse.ArgumentParser, root: Path) -> None:
+def add_run_arguments(parser: argparse.ArgumentParser, config: Path) -> None:
     """Add what says which run: scenario, folder, mode, seed."""
-    known = ", ".join(_scenarios(root))
+    known = ", ".join(_scenarios(config))
     parser.add_argument(
         "scenario",
         nargs="?",
@@ -107,14 +122,15 @@ def add_run_arguments(parser: argparse.ArgumentParser, root: Path) -> None:
         help="lockstep: every tick waits for its command, reproducible; realtime: the wall's clock",
     )
     parser.add_argument("--seed", type=int, help="of everything random in the plant")
+    add_naming_arguments(parser)
 
 
-def _scenarios(root: Path) -> list[str]:
+def _scenarios(config: Path) -> list[str]:
     """Return the names of the configured scenarios."""
-    return sorted(path.stem for path in (root / "config" / "scenarios").glob("*.yaml"))
+    return sorted(path.stem for path in (config / "scenarios").glob("*.yaml"))
 
 
-def resolve_scenario(root: Path, options: argparse.Namespace) -> ResolvedScenario:
+def resolve_scenario(config: Path, options: argparse.Namespace) -> ResolvedScenario:
     """Return the scenario with the command line's values put in, checked with all that it names.
 
     What is wrong shows here, before a folder is made or a process started.
@@ -122,14 +138,13 @@ def resolve_scenario(root: Path, options: argparse.Namespace) -> ResolvedScenari
     Raises:
         ConfigurationError: something is wrong; the text names file and key.
     """
-    config = root / "config"
     for folder in options.config:
         if not folder.is_dir():
             raise ConfigurationError(f"--config: there is no folder {shown(str(folder))}")
     named = [each / "scenarios" / f"{options.scenario}.yaml" for each in (*options.config, config)]
     path = next((each for each in (*named, Path(options.scenario)) if is_file(each)), None)
     if path is None:
-        known = ", ".join(_scenarios(root))
+        known = ", ".join(_scenarios(config))
         raise ConfigurationError(f"unknown scenario {shown(options.scenario)}; known: {known}")
     first = options.config
     resolved = checked(load_scenario(path, config, first), config, path, first)
@@ -169,11 +184,19 @@ def run_folder(root: Path, out: Path | None, scenario: str) -> Path:
     return empty_folder(out)
 
 
-def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *, view: bool) -> int:
+def _run(
+    resolved: ResolvedScenario,
+    out: Path,
+    recording: Mapping[str, str],
+    naming: Naming,
+    *,
+    view: bool,
+    real: RealPlant | None = None,
+) -> int:
     """Bring up, play, end, analyse; returns the exit code."""
     scenario = resolved.scenario
     (out / "scenario.yaml").write_text(resolved.to_yaml(), encoding="utf-8")
-    with own_domain() as domain:
+    with own_domain() if real is None else nullcontext(robots_domain()) as domain:
         print(
             f"scenario {scenario.name}: {scenario.duration:g} s, {scenario.mode}, "
             f"{scenario.rate:g} Hz, seed {scenario.seed}\n"
@@ -184,7 +207,7 @@ def _run(resolved: ResolvedScenario, out: Path, recording: Mapping[str, str], *,
         os.environ.update(environment)
         supervisor = Supervisor(out / "logs", environment)
         try:
-            _play(resolved, supervisor, out, recording, view=view)
+            _play(resolved, supervisor, out, recording, naming, view=view, real=real)
         finally:
             # From here on a second Ctrl-C changes nothing: all ends in order.
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -204,24 +227,32 @@ def _play(
     supervisor: Supervisor,
     out: Path,
     recording: Mapping[str, str],
+    naming: Naming,
     *,
     view: bool,
+    real: RealPlant | None = None,
 ) -> None:
     """Bring up the processes and play the scenario, with a line of progress."""
-    with player_of(resolved) as player:
+    with player_of(resolved, naming, real) as player:
         path, bag = out / "scenario.yaml", out / "bag"
         if view:
-            print(f"watch it at {start_page(supervisor, path)}", flush=True)
-        bring_up(supervisor, path, bag, peers=[PLAYER], recording=recording)
+            print(f"watch it at {start_page(supervisor, path, naming)}", flush=True)
+        more = {RECORDER: recording}
+        if real is not None:
+            more[ADAPTER] = {"plant": str(real.path)}
+        bring_up(supervisor, path, bag, peers=[PLAYER], more=more, naming=naming)
         play_shown(resolved, player, supervisor)
 
 
 @contextmanager
-def player_of(resolved: ResolvedScenario) -> Iterator[Player]:
+def player_of(
+    resolved: ResolvedScenario, naming: Naming = PLAIN, real: RealPlant | None = None
+) -> Iterator[Player]:
     """Yield the player of a scenario, a node of this process."""
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    rclpy.init(args=["--ros-args", *naming.rules], signal_handler_options=SignalHandlerOptions.NO)
     executor = EventsExecutor()
-    player = Player(resolved, executor)
+    enable = real is None or real.enable
+    player = Player(resolved, executor, simulated=real is None, enable=enable)
     try:
         yield player
     finally:

@@ -1,4 +1,4 @@
-"""``scripts/replay``: a bag through the library again, or with ``--publish`` to live nodes."""
+"""``scripts/replay``: a bag through the library again, to live nodes, or on a page."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ _FASTEST = 1000.0
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit code, see lexstack_bag.commands.replay."""
     given = sys.argv[1:] if arguments is None else list(arguments)
-    if not any(word == "--publish" or word.startswith("--publish=") for word in given):
+    views = "--view" in given
+    if not views and not any(word.partition("=")[0] == "--publish" for word in given):
         return core.main(given)
-    options = _parser().parse_args(given)
     try:
-        return _publish(options)
+        return _view(given) if views else _publish(_parser().parse_args(given))
     except LexstackError as error:
         print(f"replay: {error}", file=sys.stderr)
         return core.BAD_ARGUMENT
@@ -82,6 +82,30 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _view(arguments: Sequence[str]) -> int:
+    """Show the bag on a page until Ctrl-C; returns the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="./scripts/replay BAG --view",
+        description="Show a bag in a browser, with a slider of time; Ctrl-C ends it.",
+    )
+    parser.add_argument("bag", type=Path, help="run folder, bag folder or .mcap file")
+    parser.add_argument("--view", action="store_true", required=True)
+    options = parser.parse_args(arguments)
+    # viser and MuJoCo take a second to load.
+    from lexstack_ros.view.page.bag import BagPage, run_page  # noqa: PLC0415
+    from lexstack_ros.view.recorded import Recorded  # noqa: PLC0415
+
+    run = read_run(options.bag, ProgressBar("reading"))
+    page = BagPage(f"lexstack: {run.resolved.scenario.name}, recorded", Recorded(run))
+    try:
+        print(f"watch it at {page.url}", flush=True)
+        run_page(page)
+    except KeyboardInterrupt:
+        return 0
+    finally:
+        page.close()
+
+
 def _publish(options: argparse.Namespace) -> int:
     """Play the bag; returns the exit code."""
     if not 0.0 <= options.rate <= _FASTEST:
@@ -94,6 +118,7 @@ def _publish(options: argparse.Namespace) -> int:
     container = Container(find_files(options.bag))
     if options.scenario is not None:
         return _write_scenario(container, options.scenario)
+    read_provenance(container)  # the container knows the run's namespace from here on
     run = read_run(options.bag, ProgressBar("reading"))
     live = "" if options.publish == _NOBODY else options.publish
     if live and live not in run.chi:
@@ -116,7 +141,8 @@ def _publish(options: argparse.Namespace) -> int:
         player.wait_connected()
         user = requests_of(run, Changes(), run.resolved) if live == "robot_a" else []
         expected = set(run.chi[live].tick.tolist()) if live else set()
-        messages = by_log_time(Container(container.files).messages(ProgressBar("playing")))
+        again = Container(container.files, container.namespace)
+        messages = by_log_time(again.messages(ProgressBar("playing")))
         if live and run.resolved.scenario.mode == "lockstep":
             messages = in_lockstep(messages, Decoder())
         played = player.play(messages, paced(options.rate), user, expected)

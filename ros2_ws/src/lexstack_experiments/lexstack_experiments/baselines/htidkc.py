@@ -15,7 +15,7 @@ import numpy as np
 from lexstack.errors import ConfigurationError
 from lexstack.hqp import HqpProblem, Solution, make_solver
 from lexstack.limits import viable_bounds
-from lexstack.mpc import MEASURES, Kind, StageModel
+from lexstack.mpc import Kind, Objective, StageModel, measure_of
 from lexstack.options import NotNegative, Positive
 from lexstack.robots import RobotModel
 from lexstack.types import LinearTask, Vector
@@ -65,8 +65,8 @@ class Htidkc:
         kept: list[tuple[LinearTask, ...]] = []
         solution: Solution | None = None
         for i, (kind, reference) in enumerate(references):
-            measure = MEASURES[kind]
             row = reference[None]
+            measure = measure_of(Objective(kind, kind, row), self._robot)
             jacobian = measure.jacobian(at, row).reshape(-1, measure.rows, self._robot.n)[0]
             gain = self._config.ee_gain if kind.startswith("ee") else self._config.base_gain
             target = -gain * measure.error(at, row)[0]

@@ -33,12 +33,12 @@ class Symbols:
     """The program of one robot with given tasks, over the inputs alone or over states too.
 
     Attributes:
-        x: states 1 to N, q above v, shape (2 n, N).
+        x: states 1 to N, q above v, shape (n_q + n, N).
         u: inputs, shape (n, N).
-        start: q, v and the input before, shape (3 n, 1).
+        start: q, v and the input before, shape (n_q + 2 n, 1).
         references: of each task, shape (s, N).
         obstacles: centres at the states 1 to N, shape (3 o, N).
-        gaps: x_{k+1} - A x_k - B u_k, shape (2 n, N); zero on the dynamics.
+        gaps: x_{k+1} less what ``stepped`` makes of x_k and u_k, shape (n_q + n, N).
         errors: of each task, shape (s, N).
         costs: J of each task, H(8).
         shared_cost: effort H(10) and all barriers.
@@ -74,24 +74,28 @@ def program(
     for kind in kinds:
         if kind not in ROWS:
             raise InputError(f"htmpc in CasADi: kind {kind!r}; known: {', '.join(ROWS)}")
-    n, stages = robot.n, config.horizon
-    x, u = ca.MX.sym("x", 2 * n, stages), ca.MX.sym("u", n, stages)
-    start = ca.MX.sym("start", 3 * n)
+    n, size, stages = robot.n, robot.nq, config.horizon
+    x, u = ca.MX.sym("x", size + n, stages), ca.MX.sym("u", n, stages)
+    start = ca.MX.sym("start", size + 2 * n)
     obstacles = ca.MX.sym("obstacles", 3 * len(radii), stages)
     references = tuple(
         ca.MX.sym(f"reference{i}", ROWS[kind], stages) for i, kind in enumerate(kinds)
     )
-    q, v = x[:n, :], x[n:, :]
+    q, v = x[:size, :], x[size:, :]
     places = stage_function(robot, spheres).map(stages)(q)
     errors = tuple(
         (places[0] if kind == "ee_position" else q[: ROWS[kind], :]) - reference
         for kind, reference in zip(kinds, references, strict=True)
     )
     costs = tuple(_tracking(config, kind, error) for kind, error in zip(kinds, errors, strict=True))
-    smooth = _effort(config, v, u, start[2 * n :]) + _limits(robot, config, q, v, u)
+    smooth = _effort(robot, config, v, u, start[size + n :])
+    smooth += _limits(robot, config, q[size - n :, :], v, u)
     rooms = _rooms(robot, config.collision, places[3], spheres, (obstacles, radii))
     shared_cost = smooth + far_barrier(config.collision, rooms) if rooms.numel() else smooth
-    gaps = _gaps(x, u, start[: 2 * n], config.step)
+    before = ca.horzcat(start[: size + n], x[:, :-1])
+    gaps = x - ca.horzcat(
+        *(stepped(robot, before[:, k], u[:, k], config.step) for k in range(stages))
+    )
     return Symbols(
         x, u, start, references, obstacles, gaps, errors, costs, shared_cost, rooms, smooth
     )
@@ -108,12 +112,23 @@ def parameters_of(
     return [np.concatenate(start), centers, *(each.reference.T for each in objectives)]
 
 
-def _gaps(x: ca.MX, u: ca.MX, start: ca.MX, step: float) -> ca.MX:
-    """Return what is missing for the double integrator to hold, shape (2 n, N)."""
-    n = u.size1()
-    before = ca.horzcat(start, x[:, :-1])
-    q = before[:n, :] + step * before[n:, :] + 0.5 * step * step * u
-    return x - ca.vertcat(q, before[n:, :] + step * u)
+def stepped(robot: RobotModel, state: ca.MX, u: ca.MX, step: float) -> ca.MX:
+    """Return q above v after a stage with a constant input, shape (n_q + n, 1).
+
+    x and y of a differential base by a sum of Gauss and Legendre over six nodes.
+    """
+    size = robot.nq
+    q, v = state[:size], state[size:]
+    if not robot.differential:
+        return ca.vertcat(q + step * v + 0.5 * step * step * u, v + step * u)
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    x, y = q[0], q[1]
+    for node, weight in zip(0.5 * step * (nodes + 1.0), 0.5 * step * weights, strict=True):
+        yaw = q[2] + node * v[1] + 0.5 * node * node * u[1]
+        x += weight * (v[0] + node * u[0]) * ca.cos(yaw)
+        y += weight * (v[0] + node * u[0]) * ca.sin(yaw)
+    rest = q[2:] + step * v[1:] + 0.5 * step * step * u[1:]
+    return ca.vertcat(x, y, rest, v + step * u)
 
 
 def _tracking(config: HtmpcConfig, kind: Kind, error: ca.MX) -> ca.MX:
@@ -132,12 +147,12 @@ def weights_of(config: HtmpcConfig, kind: Kind) -> Matrix:
     return diagonal
 
 
-def _effort(config: HtmpcConfig, v: ca.MX, u: ca.MX, previous: ca.MX) -> ca.MX:
+def _effort(robot: RobotModel, config: HtmpcConfig, v: ca.MX, u: ca.MX, previous: ca.MX) -> ca.MX:
     """Return H(10)."""
-    effort, n = config.effort, u.size1()
+    effort, first = config.effort, robot.arm.start
 
     def weigh(base: float, arm: float, values: ca.MX) -> ca.MX:
-        return ca.sum1(ca.DM([base] * 3 + [arm] * (n - 3)) * ca.sum2(values**2))
+        return ca.sum1(ca.DM([base] * first + [arm] * (robot.n - first)) * ca.sum2(values**2))
 
     changes = u - ca.horzcat(previous, u[:, :-1])
     return 0.5 * (
@@ -148,7 +163,7 @@ def _effort(config: HtmpcConfig, v: ca.MX, u: ca.MX, previous: ca.MX) -> ca.MX:
 
 
 def _limits(robot: RobotModel, config: HtmpcConfig, q: ca.MX, v: ca.MX, u: ca.MX) -> ca.MX:
-    """Return the barriers of H(7d)."""
+    """Return the barriers of H(7d); q without what is beyond the length of chi."""
     limits, stages = robot.limits, u.size2()
     bounded = [int(i) for i in np.flatnonzero(np.isfinite(limits.position_upper))]
     total = ca.MX(0)

@@ -12,7 +12,7 @@ from lexstack.errors import InputError
 from lexstack.mpc import CollisionScene, HtmpcConfig, Kind, Objective, Task
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
-from lexstack_experiments.baselines.htmpc_casadi import Symbols, parameters_of, program
+from lexstack_experiments.baselines.htmpc_casadi import Symbols, parameters_of, program, stepped
 
 _INTERIOR = 1e-6  # m, rad: an interior-point method needs one, also where e* is zero
 _OPTIONS = {
@@ -73,7 +73,7 @@ class HtmpcOracle:
         """Return all levels up to the first that does not converge.
 
         Args:
-            start: q, v and the input before, shapes (n,).
+            start: q, v and the input before, shapes (n_q,), (n,) and (n,).
             objectives: of the kinds that the oracle was made for.
             guess: inputs to begin with, shape (N, n).
             tolerance: of H(13), in parts of the configured delta.
@@ -81,7 +81,7 @@ class HtmpcOracle:
         """
         if tuple(objective.kind for objective in objectives) != self._kinds:
             raise InputError(f"oracle: made for {self._kinds}")
-        tasks = [Task(objective, self._config, self._robot.n) for objective in objectives]
+        tasks = [Task(objective, self._config, self._robot) for objective in objectives]
         parameters = parameters_of(start, objectives, around, self._config.horizon)
         levels: list[OracleLevel] = []
         bounds: list[Vector] = []
@@ -150,14 +150,12 @@ class HtmpcOracle:
         return np.array((lower, upper))
 
     def _roll_out(self, symbols: Symbols) -> ca.MX:
-        """Return the states 1 to N as functions of the inputs, shape (2 n, N)."""
-        n, step = self._robot.n, self._config.step
-        q, v = symbols.start[:n], symbols.start[n : 2 * n]
+        """Return the states 1 to N as functions of the inputs, shape (n_q + n, N)."""
+        state = symbols.start[: self._robot.nq + self._robot.n]
         states = []
         for k in range(self._config.horizon):
-            q = q + step * v + 0.5 * step * step * symbols.u[:, k]
-            v = v + step * symbols.u[:, k]
-            states.append(ca.vertcat(q, v))
+            state = stepped(self._robot, state, symbols.u[:, k], self._config.step)
+            states.append(state)
         return ca.horzcat(*states)
 
     def _condensed(self, *expressions: ca.MX) -> list[ca.MX]:
@@ -170,10 +168,11 @@ class HtmpcOracle:
         symbols = self._symbols
         cost = symbols.costs[level] + symbols.shared_cost
         guarded = [self._guarded(i) for i in range(level)]
-        n = self._robot.n
+        size = self._robot.nq
+        first = size - self._robot.n  # what of q has no entry in chi
         hard = []
         if self._config.hard_limits:
-            hard = [ca.vec(symbols.x[n:, :]), ca.vec(symbols.x[:n, :])]
+            hard = [ca.vec(symbols.x[size:, :]), ca.vec(symbols.x[first:size, :])]
         condensed = self._condensed(cost, ca.vertcat(*guarded, *hard))
         parameters = [symbols.start, symbols.obstacles, *symbols.references]
         described = {

@@ -5,6 +5,7 @@ from lexstack_experiments.experiments import (
     computation,
     delivery,
     faults,
+    hardware,
     htmpc_computation,
     htmpc_tuning,
     lexicographic_constraints,
@@ -39,6 +40,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "relatching": relatching.EXPERIMENT,
     "oracle": oracle_gap.EXPERIMENT,
     "faults": faults.EXPERIMENT,
+    "hardware": hardware.EXPERIMENT,
     "htmpc-computation": htmpc_computation.EXPERIMENT,
     "tune-htmpc": htmpc_tuning.EXPERIMENT,
 }

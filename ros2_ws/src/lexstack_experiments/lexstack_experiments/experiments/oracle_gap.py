@@ -153,7 +153,7 @@ class Judge:
         before = state.before if guess == "warm" else _braking(solver, state)
         braking = solver.horizon.braking(state.start.v, solver.robot.limits.acceleration)
         for level, objective in enumerate(state.objectives):
-            task = Task(objective, solver.config, solver.robot.n)
+            task = Task(objective, solver.config, solver.robot)
             plan = solver.solve(state.start, state.objectives[: level + 1], before)
             self.failures += not plan.solved
 

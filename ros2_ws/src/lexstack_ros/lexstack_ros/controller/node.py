@@ -13,11 +13,13 @@ from lexstack.errors import InputError
 from lexstack.types import RobotState
 from lexstack_config.parts import Parts, build_controller
 from lexstack_interfaces.msg import Chi, TransitionStatus
-from lexstack_ros.controller.references import Decisions, TargetTopics
+from lexstack_ros.controller.references import Decisions, load_ahead
 from lexstack_ros.controller.switch_services import Requests
+from lexstack_ros.controller.target_topics import TargetTopics
 from lexstack_ros.intake.drain import waiting
 from lexstack_ros.intake.plant_states import PlantStates
 from lexstack_ros.messages.conversions import WORLD, chi_of_command, to_sample, transition_status
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.plans import PLAN, to_plan
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.absence import Absence
@@ -48,6 +50,7 @@ class HqpControllerNode(Node):
         self._served = -1
         self._deadline = 0.0
         self._fallbacks = 0
+        self._braked = ""  # why, where no solution could be sent since the last report
         self._damped = 0  # ticks near a singularity
         self._near = ""  # the last of them since the last report
         self._meter = Meter()
@@ -57,18 +60,29 @@ class HqpControllerNode(Node):
         self._chi.header.frame_id = WORLD
         self._status = TransitionStatus()
         self._status.header.frame_id = WORLD
-        self._chi_out = self.create_publisher(Chi, "/robot_a/chi", STREAM)
-        self._status_out = self.create_publisher(TransitionStatus, "/robot_a/transition", STREAM)
-        self._targets = TargetTopics(self, self._parts.team, self._controller.references)
+        self._chi_out = self.create_publisher(Chi, "robot_a/chi", STREAM)
+        self._status_out = self.create_publisher(TransitionStatus, "robot_a/transition", STREAM)
+        self._targets = TargetTopics(
+            self,
+            self._parts.team,
+            self._controller.references,
+            self._resolved.scenario.references,
+            self._resolved.stacks.values(),
+        )
         self._decisions = Decisions(
             self, self._parts.team, self._controller.references, self._chi.sender
         )
+        load_ahead(self._resolved.scenario.mode)
         self._late_start = round(_LATE_START * self._resolved.scenario.rate)
-        self._source = self.create_subscription(Chi, "/robot_b/chi", self._on_source, STREAM)
-        self.create_subscription(JointTrajectory, PLAN, self._on_plan, STREAM)
+        self._source = self.create_subscription(Chi, "robot_b/chi", self._on_source, STREAM)
+        self.create_subscription(JointTrajectory, relative(PLAN), self._on_plan, STREAM)
         self._scenario_out = tell_scenario(self, self._resolved)
         self._requests = Requests(
-            self, self._controller.transition, self._resolved.scenario, self._parts.team
+            self,
+            self._controller.transition,
+            self._resolved,
+            self._parts.team,
+            on_stack=self._targets.add_frames,
         )
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_LOOK, self._on_look, clock=wall)
@@ -87,6 +101,7 @@ class HqpControllerNode(Node):
 
     def _on_state(self, state: RobotState) -> None:
         """Serve a new state, or keep it until the source's chi is there."""
+        self._targets.see(state)
         away = self._absence.arrive(state.tick)
         if away:
             self._controller.transition.note(away)
@@ -159,6 +174,7 @@ class HqpControllerNode(Node):
             self.get_logger().warning(near, throttle_duration_sec=10.0)
         if command.fallback:
             self._fallbacks += 1
+            self._braked = command.fallback if command.brakes else self._braked
             self.get_logger().warning(command.fallback, throttle_duration_sec=1.0)
 
     # ---- the rest
@@ -181,6 +197,7 @@ class HqpControllerNode(Node):
         complaint, ages = self._states.report()
         failed = f"{self._fallbacks} ticks failed" if self._fallbacks else ""
         near, self._near = self._near, ""
+        braked, self._braked = self._braked, ""
         return Health(
             all_of(*self._complaints(), complaint, failed, near),
             {
@@ -194,6 +211,8 @@ class HqpControllerNode(Node):
                 "skipped states": str(self._states.skipped),
                 "refused messages": str(refused),
             },
+            error=braked,
+            stale=self._states.delays.silent,
         )
 
 

@@ -1,10 +1,11 @@
-"""References by topic: the controller takes targets and decides; others hear its decisions."""
+"""References by topic: the controller decides; others hear its decisions."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from functools import partial
+from threading import Thread
+from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
@@ -12,60 +13,39 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from lexstack.errors import InputError
-from lexstack.references import ReferenceSchedule, ReferenceTimeline, SetPoint, Setting
+from lexstack.references import (
+    ReferenceSchedule,
+    ReferenceTimeline,
+    SetPoint,
+    Setting,
+    Trajectory,
+    load,
+)
 from lexstack.robots import Pose, Team, from_rpy, to_quaternion
 from lexstack.types import RobotState, Vector
 from lexstack_interfaces.msg import References
 from lexstack_ros.controller.transition_parameters import LeadInParameter
-from lexstack_ros.messages.conversions import pose_message, to_base_target, to_ee_target
-from lexstack_ros.messages.qos import LATCHED, LATEST, STREAM
+from lexstack_ros.messages.conversions import pose_message
+from lexstack_ros.messages.names import relative
+from lexstack_ros.messages.qos import LATCHED, LATEST
 from lexstack_ros.messages.references import references_message, to_setting
 
 DECISIONS = "/robot_a/references"
 KEPT = "/robot_b/references"
 """What the solver has heard of them, for a controller that starts again."""
 
-_KINDS = {"ee_target": to_ee_target, "base_target": to_base_target}
 _PATIENCE = 3.0  # s of wall time, for what the solver keeps: discovery takes most of it
 _SENDERS = 8  # whose decisions are kept
 
 
-class TargetTopics:
-    """Subscriptions to /NAME/ee_target and /NAME/base_target of every robot.
+def load_ahead(mode: str) -> None:
+    """Load what trajectories need of scipy while the node waits for the others.
 
-    Attributes:
-        schedule: takes every valid target.
-        refused: how many were not valid.
+    It takes 0.3 s: in the middle of a run in real time the plant would brake. In lockstep the plant
+    waits, and most runs have no trajectory.
     """
-
-    def __init__(self, node: Node, team: Team, schedule: ReferenceSchedule) -> None:
-        """Put every valid target into ``schedule``; warn of the others."""
-        self._node = node
-        self.schedule = schedule
-        self.refused = 0
-        self._rejection = ""  # the last one since the last report
-        for robot, name in enumerate(team.names):
-            for kind in _KINDS:
-                topic = f"/{name}/{kind}"
-                node.create_subscription(
-                    PoseStamped, topic, partial(self._take, kind, robot, topic), STREAM
-                )
-
-    def _take(self, kind: str, robot: int, topic: str, message: PoseStamped) -> None:
-        """Take one target; a stamp of the past means now."""
-        try:
-            self.schedule.add(_KINDS[kind](message, robot, topic))
-        except InputError as error:
-            self.refused += 1
-            text = str(error).removeprefix(f"{kind}: ")
-            line = text if text.startswith(topic) else f"{topic}: {text}"
-            self._rejection = f"refused: {line}"
-            self._node.get_logger().warning(self._rejection, throttle_duration_sec=1.0)
-
-    def report(self) -> str:
-        """Return the last refusal since the last report, or ''."""
-        rejection, self._rejection = self._rejection, ""
-        return rejection
+    if mode == "realtime":
+        Thread(target=load, name="load_ahead").start()
 
 
 class HeardReferences:
@@ -92,8 +72,8 @@ class HeardReferences:
         self._topic = topic
         self._on_news = on_news
         self._newest = ""
-        self._nothing = ReferenceTimeline()
-        node.create_subscription(References, topic, self._hear, LATCHED)
+        self._nothing = ReferenceTimeline(team.dt)
+        node.create_subscription(References, relative(topic), self._hear, LATCHED)
 
     def _hear(self, message: References) -> None:
         """Take a decision; another sender begins anew."""
@@ -103,7 +83,7 @@ class HeardReferences:
             self.refused += 1
             self._node.get_logger().warning(f"refused: {error}", throttle_duration_sec=1.0)
             return
-        timeline = self._timelines.setdefault(message.sender, ReferenceTimeline())
+        timeline = self._timelines.setdefault(message.sender, ReferenceTimeline(self._team.dt))
         self._newest = message.sender
         while len(self._timelines) > _SENDERS:
             del self._timelines[next(s for s in self._timelines if s not in self._counted())]
@@ -136,7 +116,7 @@ class Decisions:
         self._team = team
         self._sender = sender
         self._parameter = LeadInParameter(node, schedule.lead_in, self._lead_in)
-        self._out = node.create_publisher(References, DECISIONS, LATEST)
+        self._out = node.create_publisher(References, relative(DECISIONS), LATEST)
         self._goals = _Goals(node, team)
         self._kept = HeardReferences(node, team, KEPT)
         self._asked_since: float | None = None
@@ -187,8 +167,8 @@ class _Goals:
         self._ee: list[Publisher] = []
         self._base: list[Publisher] = []
         for name in team.names:
-            ee = node.create_publisher(PoseStamped, f"/{name}/ee_reference", LATEST)
-            base = node.create_publisher(PoseStamped, f"/{name}/base_reference", LATEST)
+            ee = node.create_publisher(PoseStamped, f"{name}/ee_reference", LATEST)
+            base = node.create_publisher(PoseStamped, f"{name}/base_reference", LATEST)
             self._ee.append(ee)
             self._base.append(base)
 
@@ -197,15 +177,20 @@ class _Goals:
         before, self._announced = self._announced, setting
         for robot, (out, ee) in enumerate(zip(self._ee, setting.ee, strict=True)):
             if before is None or ee is not before.ee[robot]:
-                self._publish(out, ee, setting.at)
+                self._publish(out, _goal(ee), setting.at)
         for robot, (out, base) in enumerate(zip(self._base, setting.base, strict=True)):
             if before is None or base is not before.base[robot]:
-                self._publish(out, SetPoint(_upright(base.goal)), setting.at)
+                self._publish(out, _upright(_goal(base)), setting.at)
 
     @staticmethod
-    def _publish(out: Publisher, point: SetPoint[Pose], stamp: float) -> None:
+    def _publish(out: Publisher, goal: Pose, stamp: float) -> None:
         """Publish one goal."""
-        out.publish(pose_message(point.goal, stamp, to_quaternion(point.goal.rotation)))
+        out.publish(pose_message(goal, stamp, to_quaternion(goal.rotation)))
+
+
+def _goal(point: Trajectory[Any]) -> Any:
+    """Return where a reference leads to."""
+    return point.goal if isinstance(point, SetPoint) else point.at(point.end)
 
 
 def _upright(base: Vector) -> Pose:

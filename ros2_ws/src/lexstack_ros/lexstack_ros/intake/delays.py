@@ -25,12 +25,16 @@ class Delays:
     transport, which a network does in less than a millisecond. So a negative one, or one of many
     milliseconds in every message, is the clocks'. How many depends on the period of the messages
     as it really is; one message alone says nothing.
+
+    Attributes:
+        silent: whether no message had come for a while, 2.5 s, at the last report.
     """
 
     def __init__(self, where: str, clock: Callable[[], float] = time.monotonic) -> None:
         """Begin for the topic ``where``; ``clock`` is monotonic [s]."""
         self._where = where
         self._clock = clock
+        self.silent = False
         self._smallest: float | None = None
         self._heard: float | None = None
         self._counted = 0  # periods since the last report
@@ -50,7 +54,8 @@ class Delays:
         tolerated = max(_TOLERATED, _SHARE * self._period())
         age = float("inf") if self._heard is None else self._clock() - self._heard
         values = {f"age of the last {self._where} [ms]": f"{1e3 * age:.0f}"}
-        if age > _SILENT:
+        self.silent = age > _SILENT
+        if self.silent:
             return f"{self._where} is silent", values
         if smallest is None:
             return "", values

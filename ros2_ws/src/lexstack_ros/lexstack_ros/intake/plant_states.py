@@ -14,6 +14,7 @@ from lexstack_ros.intake.delays import Delays, with_info
 from lexstack_ros.intake.drain import waiting
 from lexstack_ros.intake.tick_order import TickOrder
 from lexstack_ros.messages.conversions import to_state
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.diagnostics import first
 from lexstack_ros.node.readiness import Readiness
@@ -68,7 +69,7 @@ class PlantStates:
         self._newest = newest
         self._unserved: list[RobotState] = []
         self._subscription = node.create_subscription(
-            PlantState, _TOPIC, with_info(self._take), STREAM
+            PlantState, relative(_TOPIC), with_info(self._take), STREAM
         )
         self._readiness = Readiness(node, hears_plant=False)
 

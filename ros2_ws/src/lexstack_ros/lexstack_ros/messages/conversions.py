@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
+from std_msgs.msg import Header
 
 from lexstack.errors import InputError
 from lexstack.options import shown
-from lexstack.references import Target
+from lexstack.references import TOOL, Target
 from lexstack.robots import Pose, Team, from_quaternion
 from lexstack.transition import Announcement, SourceSample, TransitionState
 from lexstack.types import RobotState, Vector
@@ -32,6 +33,13 @@ _HUGE = 1e6  # m, rad, m/s, rad/s: no robot gets there
 _FARTHEST = 1000.0  # m, a target farther away is a mistake
 _UNIT = 1e-2  # how far a quaternion's norm may be from 1
 _UPRIGHT = 1e-3  # rad, how far a base target may be tilted
+_NANOSECONDS = 1_000_000_000
+
+Placing = Callable[[Header, str], Pose | None]
+"""Finds the frame in which a message is told, at its stamp; None: it is the world.
+
+It takes the topic, for errors, and raises InputError for a frame whose pose is not known.
+"""
 
 
 # ---- time
@@ -173,14 +181,17 @@ def transition_status(
 # ---- requests to a source
 
 
-def stack_request(announcement: Announcement, stamp: float, team: Team) -> StackRequest:
-    """Return an announcement as a message."""
+def stack_request(
+    announcement: Announcement, stamp: float, team: Team, text: str = ""
+) -> StackRequest:
+    """Return an announcement as a message; ``text``: the stack's, where a user sent it."""
     message = stamped(StackRequest(), stamp)
     message.id = announcement.id
     message.stack = announcement.stack
     message.start_tick = announcement.start_tick
     message.active = announcement.active
     message.robots = [team.names[robot] for robot in announcement.robots]
+    message.stack_yaml = text if announcement.active else ""
     return message
 
 
@@ -201,23 +212,58 @@ def to_announcement(message: StackRequest, stacks: Any, team: Team) -> Announcem
 # ---- targets
 
 
-def to_ee_target(message: PoseStamped, robot: int, where: str) -> Target:
-    """Return an end-effector target of the robot at place ``robot``; raises InputError."""
-    pose = _to_pose(message, where)
-    return Target(to_seconds(message.header.stamp), robot, ee=pose)
+def in_world(header: Header, where: str) -> None:
+    """Return that a message is told in the world; raises InputError for any other frame."""
+    if header.frame_id not in ("", WORLD):
+        raise InputError(f"{where}: frame_id: expected 'world', got {shown(header.frame_id)}")
 
 
-def to_base_target(message: PoseStamped, robot: int, where: str) -> Target:
+def to_stamp(header: Header, where: str) -> float:
+    """Return the stamp of a target [s]; raises InputError for one that is no time."""
+    if header.stamp.sec < 0 or header.stamp.nanosec >= _NANOSECONDS:
+        got = f"{header.stamp.sec} s and {header.stamp.nanosec} ns"
+        raise InputError(f"{where}: header.stamp: expected a time from 0 on, got {got}")
+    return to_seconds(header.stamp)
+
+
+def to_ee_target(
+    message: PoseStamped, robot: int, where: str, placing: Placing = in_world, frame: str = TOOL
+) -> Target:
+    """Return a target of a frame of the robot at place ``robot``; raises InputError."""
+    stamp = to_stamp(message.header, where)
+    pose = placed(placing(message.header, where), to_pose(message.pose, where), where)
+    return Target(stamp, robot, ee=pose, frame=frame)
+
+
+def to_base_target(
+    message: PoseStamped, robot: int, where: str, placing: Placing = in_world
+) -> Target:
     """Return a base target (x, y, yaw); raises InputError where it is not upright."""
-    pose = _to_pose(message, where)
+    stamp = to_stamp(message.header, where)
+    pose = placed(placing(message.header, where), to_pose(message.pose, where), where)
+    return Target(stamp, robot, base=to_place(pose, where))
+
+
+def to_place(pose: Pose, where: str) -> Vector:
+    """Return x, y, yaw of a pose; raises InputError where it is not upright."""
     tilt = math.acos(min(max(float(pose.rotation[2, 2]), -1.0), 1.0))
     if tilt > _UPRIGHT:
         raise InputError(
             f"{where}: orientation: a base stands upright, got a tilt of {tilt:.3f} rad"
         )
     yaw = math.atan2(pose.rotation[1, 0], pose.rotation[0, 0])
-    base = np.array([pose.position[0], pose.position[1], yaw])
-    return Target(to_seconds(message.header.stamp), robot, base=base)
+    return np.array([pose.position[0], pose.position[1], yaw])
+
+
+def placed(origin: Pose | None, pose: Pose, where: str) -> Pose:
+    """Return a pose that is told in a frame, in the world; raises InputError: too far away."""
+    if origin is not None:
+        position = origin.position + origin.rotation @ pose.position
+        pose = Pose(position, origin.rotation @ pose.rotation)
+    farthest = float(np.max(np.abs(pose.position)))
+    if farthest > _FARTHEST:
+        raise InputError(f"{where}: position: {farthest:g} m away, at most {_FARTHEST:g} m")
+    return pose
 
 
 def pose_message(pose: Pose, stamp: float, quaternion: Vector) -> PoseStamped:
@@ -229,17 +275,15 @@ def pose_message(pose: Pose, stamp: float, quaternion: Vector) -> PoseStamped:
     return message
 
 
-def _to_pose(message: PoseStamped, where: str) -> Pose:
-    """Return a checked pose in the world frame."""
-    if message.header.frame_id not in ("", WORLD):
-        got = shown(message.header.frame_id)
-        raise InputError(f"{where}: frame_id: expected 'world', got {got}")
-    place, turn = message.pose.position, message.pose.orientation
+def to_pose(pose: Any, where: str) -> Pose:
+    """Return a checked pose, in the frame of its message."""
+    return to_placement(pose.position, pose.orientation, where)
+
+
+def to_placement(place: Any, turn: Any, where: str) -> Pose:
+    """Return a checked pose from a vector and a quaternion of a message."""
     position = to_vector([place.x, place.y, place.z], 3, f"{where}: position")
     quaternion = to_vector([turn.x, turn.y, turn.z, turn.w], 4, f"{where}: orientation")
-    farthest = float(np.max(np.abs(position)))
-    if farthest > _FARTHEST:
-        raise InputError(f"{where}: position: {farthest:g} m away, at most {_FARTHEST:g} m")
     norm = float(np.linalg.norm(quaternion))
     if abs(norm - 1.0) > _UNIT:
         raise InputError(f"{where}: orientation: norm must be 1, got {norm:.4f}")

@@ -11,9 +11,10 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from lexstack import mpc as core
 from lexstack.errors import InputError
-from lexstack.mpc import MEASURES, Plan, Progress, SequenceTask
+from lexstack.mpc import COLUMNS, Plan, Progress, SequenceTask
 from lexstack.options import shown
-from lexstack.robots import Team, from_rpy, to_quaternion
+from lexstack.robots import BASE_JOINTS, DRIVE, TOOL, Team, from_rpy, to_quaternion
+from lexstack.robots.team import NO_POSITION
 from lexstack.transition import HeardPlan
 from lexstack.types import RobotState
 from lexstack_interfaces.msg import Sequence, SequenceStatus
@@ -23,6 +24,7 @@ from lexstack_ros.messages.conversions import stamped, to_array, to_seconds, to_
 PLAN = "/htmpc/plan"
 _MOST_POINTS = 1000  # of a plan or of a task
 _MOST_TASKS = 1000
+_MOST_JOINTS = 1000
 _LONGEST_NAME = 100  # characters
 _OFF_TICK = 1e-3  # of a tick, by which a plan's stamp may be off
 
@@ -33,14 +35,21 @@ def joint_names(team: Team, robot: int) -> list[str]:
 
 
 def plan_message(plan: Plan, names: list[str]) -> JointTrajectory:
-    """Return a plan as a message: states 0 to N, with the input that begins at each."""
+    """Return a plan as a message: states 0 to N, with the input that begins at each.
+
+    Joints without a position, v and w of a differential base, have 0 for one.
+    """
     message = stamped(JointTrajectory(joint_names=names), plan.stamp)
     inputs = np.concatenate((plan.u, np.zeros((1, plan.u.shape[1]))))
+    positions = plan.q
+    if plan.q.shape[1] != plan.v.shape[1]:
+        without = np.full((len(plan.q), len(DRIVE)), NO_POSITION)
+        positions = np.concatenate((without, plan.q[:, len(BASE_JOINTS) :]), axis=1)
     for k in range(len(plan.q)):
         nanoseconds = round(1e9 * k * plan.step)
         message.points.append(
             JointTrajectoryPoint(
-                positions=to_array(plan.q[k]),
+                positions=to_array(positions[k]),
                 velocities=to_array(plan.v[k]),
                 accelerations=to_array(inputs[k]),
                 time_from_start=Duration(sec=nanoseconds // 10**9, nanosec=nanoseconds % 10**9),
@@ -51,7 +60,7 @@ def plan_message(plan: Plan, names: list[str]) -> JointTrajectory:
 
 def to_plan(message: JointTrajectory, team: Team, rate: float) -> HeardPlan:
     """Return a plan for the controller, ``rate`` in ticks per second; raises InputError."""
-    robot = _robot_of(message.joint_names, team)
+    robot = robot_of(message.joint_names, team)
     if not 2 <= len(message.points) <= _MOST_POINTS:
         raise InputError(f"{PLAN}: points: expected 2 to {_MOST_POINTS}, got {len(message.points)}")
     n = len(message.joint_names)
@@ -70,7 +79,7 @@ def to_plan(message: JointTrajectory, team: Team, rate: float) -> HeardPlan:
     return HeardPlan(robot, round(tick), times, velocities)
 
 
-def _robot_of(names: Any, team: Team) -> int:
+def robot_of(names: Any, team: Team) -> int:
     """Return whose joints these are, all and in order; raises InputError."""
     for robot in range(len(team.robots)):
         if list(names) == joint_names(team, robot):
@@ -84,9 +93,13 @@ def _robot_of(names: Any, team: Team) -> int:
 
 def task_message(task: SequenceTask) -> TaskMessage:
     """Return a task of a sequence as a message."""
+    joints = task.kind == "joint_positions"
     return TaskMessage(
         name=task.name,
         kind=task.kind,
+        frame=task.frame,
+        joints=list(task.joints),
+        positions=[float(value) for point in task.points for value in point] if joints else [],
         points=[_pose(task.kind, point) for point in task.points],
         speed=task.speed or 0.0,
         turn=task.turn or 0.0,
@@ -101,10 +114,8 @@ def to_task(message: TaskMessage, where: str) -> SequenceTask:
     """Return a message as a task; raises InputError."""
     if not 0 < len(message.name) <= _LONGEST_NAME or not message.name.isprintable():
         raise InputError(f"{where}: name: expected 1 to {_LONGEST_NAME} printable characters")
-    if message.kind not in MEASURES:
-        raise InputError(
-            f"{where}: kind: {shown(message.kind)} is not one of {', '.join(MEASURES)}"
-        )
+    if message.kind not in COLUMNS:
+        raise InputError(f"{where}: kind: {shown(message.kind)} is not one of {', '.join(COLUMNS)}")
     numbers = ("speed", "turn", "tolerance", "tolerance_angle", "dwell")
     values = to_vector([getattr(message, name) for name in numbers], 5, f"{where}: {numbers}")
     speed, turn, tolerance, angle, dwell = (float(value) for value in values)
@@ -114,22 +125,27 @@ def to_task(message: TaskMessage, where: str) -> SequenceTask:
     return SequenceTask(
         message.name,
         message.kind,
-        to_points(message.points, message.kind, where),
+        to_points(message, message.kind, where),
         speed or None,
         turn or None,
         tolerance or SequenceTask.__dataclass_fields__["tolerance"].default,
         angle or SequenceTask.__dataclass_fields__["tolerance_angle"].default,
         dwell,
         bool(message.held),
+        message.frame or TOOL,
+        tuple(message.joints),
     )
 
 
-def to_points(poses: Any, kind: str, where: str) -> tuple[tuple[float, ...], ...]:
-    """Return the coordinates that a kind of task has of some poses; raises InputError."""
-    if not 1 <= len(poses) <= _MOST_POINTS:
-        raise InputError(f"{where}: points: expected 1 to {_MOST_POINTS}, got {len(poses)}")
+def to_points(message: Any, kind: str, where: str) -> tuple[tuple[float, ...], ...]:
+    """Return the coordinates that a kind of task has of a message's points; raises InputError."""
+    count = len(message.points)
+    if not 1 <= count <= _MOST_POINTS:
+        raise InputError(f"{where}: points: expected 1 to {_MOST_POINTS}, got {count}")
+    if kind == "joint_positions":
+        return _to_positions(message, where)
     points = []
-    for i, pose in enumerate(poses):
+    for i, pose in enumerate(message.points):
         place, turn = pose.position, pose.orientation
         raw = [place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w]
         x, y, z, *quaternion = to_vector(raw, 7, f"{where}: points[{i}]")
@@ -138,11 +154,24 @@ def to_points(poses: Any, kind: str, where: str) -> tuple[tuple[float, ...], ...
         columns = {
             "ee_position": (x, y, z),
             "ee_pose": (x, y, z, *quaternion),
+            "ee_orientation": quaternion,
             "base_position": (x, y),
             "base_pose": (x, y, yaw),
         }[kind]
         points.append(tuple(float(value) for value in columns))
     return tuple(points)
+
+
+def _to_positions(message: Any, where: str) -> tuple[tuple[float, ...], ...]:
+    """Return the positions of a task of joints, point by point; raises InputError."""
+    size, count = len(message.positions), len(message.points)
+    columns = len(message.joints) or size // count
+    if not columns or size != columns * count or size > _MOST_POINTS * _MOST_JOINTS:
+        raise InputError(
+            f"{where}: positions: expected one per joint and point, got {size} for {count} points"
+        )
+    values = to_vector(message.positions, size, f"{where}: positions").reshape(count, columns)
+    return tuple(tuple(float(value) for value in row) for row in values)
 
 
 def to_tasks(messages: Any, where: str) -> tuple[SequenceTask, ...]:
@@ -208,6 +237,11 @@ def _pose(kind: str, point: tuple[float, ...]) -> Pose:
     """Return a point of a task as a pose."""
     pose = Pose()
     place, turn = pose.position, pose.orientation
+    if kind == "joint_positions":
+        return pose
+    if kind == "ee_orientation":
+        turn.x, turn.y, turn.z, turn.w = point
+        return pose
     place.x, place.y = point[0], point[1]
     if kind.startswith("ee"):
         place.z = point[2]

@@ -27,3 +27,7 @@ LATCHED = _reliable(64, DurabilityPolicy.TRANSIENT_LOCAL)
 # For what replaces all that was said before: a process that comes later hears the newest alone,
 # and cannot act on an old value for a moment.
 LATEST = _reliable(1, DurabilityPolicy.TRANSIENT_LOCAL)
+
+# As tf2 has them.
+TRANSFORMS = _reliable(100)
+STATIC_TRANSFORMS = _reliable(100, DurabilityPolicy.TRANSIENT_LOCAL)

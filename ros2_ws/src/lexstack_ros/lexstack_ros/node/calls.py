@@ -89,7 +89,7 @@ def answer_of(
     future = client.call_async(request)
     if not wait_until(executor, future.done, seconds, watch):
         client.remove_pending_request(future)
-        raise NoAnswerError(f"{client.srv_name}: no answer in {seconds:g} s")
+        raise NoAnswerError(f"{client.service_name}: no answer in {seconds:g} s")
     return future.result()
 
 

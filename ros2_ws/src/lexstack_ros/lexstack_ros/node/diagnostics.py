@@ -21,12 +21,26 @@ class Health:
     """How a node is.
 
     Attributes:
-        message: one line; empty: all is well.
+        message: one line of what is not as it should be, WARN; empty: all is well, OK.
         values: figures with their units in the key.
+        error: one line: why the node cannot do, or did not do, its work since the last report,
+            ERROR; empty: it can.
+        stale: whether the figures are old, as nothing came that they could be made from, STALE.
     """
 
     message: str = ""
     values: dict[str, str] = field(default_factory=dict)
+    error: str = ""
+    stale: bool = False
+
+    @property
+    def level(self) -> bytes:
+        """The level of diagnostic_msgs; what must be looked at first wins."""
+        if self.error:
+            return DiagnosticStatus.ERROR
+        if self.stale:
+            return DiagnosticStatus.STALE
+        return DiagnosticStatus.WARN if self.message else DiagnosticStatus.OK
 
 
 class Meter:
@@ -71,6 +85,11 @@ def brief(text: str) -> str:
     return text[: _LONGEST - len(tail)] + tail
 
 
+def full_name(node: Node) -> str:
+    """Return a node's name with its namespace: hqp_controller, cell1/hqp_controller."""
+    return node.get_fully_qualified_name().removeprefix("/")
+
+
 class Diagnostics:
     """Publishes a node's health to /diagnostics."""
 
@@ -80,7 +99,7 @@ class Diagnostics:
         self._health = health
         self._period = period
         self._reported = time.monotonic()
-        self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._publisher = node.create_publisher(DiagnosticArray, "diagnostics", 10)
         node.create_timer(period, self._publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def catch_up(self) -> None:
@@ -93,9 +112,9 @@ class Diagnostics:
         self._reported = time.monotonic()
         health = self._health()
         status = DiagnosticStatus(
-            level=DiagnosticStatus.WARN if health.message else DiagnosticStatus.OK,
-            name=self._node.get_name(),
-            message=brief(health.message) or "ok",
+            level=health.level,
+            name=full_name(self._node),
+            message=brief(all_of(health.error, health.message)) or "ok",
             hardware_id=OURS,
             values=[KeyValue(key=key, value=brief(value)) for key, value in health.values.items()],
         )

@@ -16,7 +16,7 @@ class NodeOptions:
 
     Attributes:
         context: of ROS; None: the process's own.
-        namespace: before the node's name and its private services; its topics are absolute.
+        namespace: of the node and of all its topics and services.
         parameters: by name; with them the command line counts for nothing.
         name: in place of the node's own, or ''.
     """

@@ -15,6 +15,7 @@ from lexstack.errors import ConfigurationError
 from lexstack_bag.topics import SCENARIO
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.yaml_text import read_text
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import LATCHED
 
 
@@ -60,6 +61,6 @@ def scenario_parameter(node: Node) -> ResolvedScenario:
 
 def tell_scenario(node: Node, resolved: ResolvedScenario) -> Publisher:
     """Publish the resolved scenario, latched, so that a bag of any recorder can be analysed."""
-    out = node.create_publisher(String, SCENARIO, LATCHED)
+    out = node.create_publisher(String, relative(SCENARIO), LATCHED)
     out.publish(String(data=resolved.to_yaml()))
     return out

@@ -9,26 +9,29 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
 from lexstack_ros.messages.qos import STREAM
-from lexstack_ros.node.diagnostics import OURS
+from lexstack_ros.node.diagnostics import OURS, full_name
 
 _SILENT = 2.5  # s of wall time: two and a half reports
 _GONE = 60.0  # s after which a node is not missed any more: it has left for good
 
 
 class PeerWatch:
-    """The nodes that were heard in /diagnostics, and since when each is silent."""
+    """The nodes of the same namespace that were heard, and since when each is silent."""
 
     def __init__(self, node: Node, clock: Callable[[], float] = time.monotonic) -> None:
         """Listen from ``node``, which is not watched itself; ``clock`` is monotonic [s]."""
-        self._own = node.get_name()
+        self._own = full_name(node)
+        self._cell = self._own.rpartition("/")[0]
         self._clock = clock
         self._heard: dict[str, float] = {}
-        node.create_subscription(DiagnosticArray, "/diagnostics", self.hear, STREAM)
+        node.create_subscription(DiagnosticArray, "diagnostics", self.hear, STREAM)
 
     def hear(self, message: DiagnosticArray) -> None:
         """Take note of who speaks."""
         for status in message.status:
-            if status.hardware_id == OURS and status.name != self._own:
+            cell = status.name.rpartition("/")[0]
+            ours = status.hardware_id == OURS and cell == self._cell
+            if ours and status.name != self._own:
                 self._heard[status.name] = self._clock()
 
     def report(self) -> str:

@@ -7,10 +7,11 @@ cannot tell: so each process looks at its own side before it says that it is rea
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from lexstack_ros.node.parameters import text_parameter
 
@@ -22,7 +23,7 @@ _SETTLED = 0.5  # s for which nothing may be missing: endpoints come one by one
 
 def missing_connections(node: Node, peers: Collection[str]) -> str:
     """Return what is still missing until ``is_connected``, in words; '' if nothing is."""
-    away = sorted(set(peers) - set(node.get_node_names()))
+    away = sorted(set(peers) - _neighbours(node))
     if away:
         return f"waits for {', '.join(away)}"
     return "" if is_connected(node, peers) else "waits for topics to be connected"
@@ -33,26 +34,31 @@ def is_connected(node: Node, peers: Collection[str]) -> bool:
 
     Args:
         node: whose publishers and subscriptions are looked at.
-        peers: names of other nodes.
+        peers: names of other nodes, in the namespace of this one.
     """
-    if not set(peers) <= set(node.get_node_names()):
+    if not set(peers) <= _neighbours(node):
         return False
+
+    def count(ends: Iterable[TopicEndpointInfo]) -> int:
+        mine = node.get_namespace()
+        return sum(end.node_name in peers and end.node_namespace == mine for end in ends)
+
     heard = all(
         publisher.get_subscription_count()
-        >= sum(
-            end.node_name in peers
-            for end in node.get_subscriptions_info_by_topic(publisher.topic_name)
-        )
+        >= count(node.get_subscriptions_info_by_topic(publisher.topic_name))
         for publisher in node.publishers
     )
     return heard and all(
         subscription.get_publisher_count()
-        >= sum(
-            end.node_name in peers
-            for end in node.get_publishers_info_by_topic(subscription.topic_name)
-        )
+        >= count(node.get_publishers_info_by_topic(subscription.topic_name))
         for subscription in node.subscriptions
     )
+
+
+def _neighbours(node: Node) -> set[str]:
+    """Return the names of the nodes in a node's namespace: another cell has the same names."""
+    mine = node.get_namespace()
+    return {name for name, place in node.get_node_names_and_namespaces() if place == mine}
 
 
 class Readiness:

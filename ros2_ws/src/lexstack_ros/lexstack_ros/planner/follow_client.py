@@ -13,10 +13,12 @@ from rclpy.task import Future
 from lexstack.errors import InputError
 from lexstack.robots import Team
 from lexstack.tasks import AT_REST, plan_stack
+from lexstack_bag.topics import REQUEST
 from lexstack_config.resolved import ResolvedScenario
-from lexstack_interfaces.msg import TransitionStatus
+from lexstack_interfaces.msg import StackRequest, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
-from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.messages.names import relative
+from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_ros.planner.goals import Job
 
 _ANSWER = 5.0  # s of wall time to wait for the controller's answer
@@ -36,15 +38,17 @@ class FollowClient:
         """Listen to the controller; ``on_answer`` hears its answers."""
         self._node = node
         self._team = team
-        self._known = resolved.stacks
+        self._known = set(resolved.stacks)
         self._unfit = resolved.unfit
         self._initial = resolved.scenario.initial_stack
         self._blend = resolved.scenario.transition.duration
         self._on_answer = on_answer
         self._requested: dict[Future, tuple[Job, bool, float]] = {}
         self._now: dict[str, str] = {}  # by robot: the stack that it is on or goes to
-        self._client = node.create_client(SwitchStack, "/robot_a/switch_stack")
-        node.create_subscription(TransitionStatus, "/robot_a/transition", self._on_status, STREAM)
+        self._client = node.create_client(SwitchStack, "robot_a/switch_stack")
+        node.create_subscription(TransitionStatus, "robot_a/transition", self._on_status, STREAM)
+        # Of these the stacks that users sent: the way back may lead to one of them.
+        node.create_subscription(StackRequest, relative(REQUEST), self._on_announced, LATCHED)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         node.create_timer(_LOOK, self._on_look, clock=wall)
 
@@ -104,6 +108,11 @@ class FollowClient:
                 del self._requested[future]
                 self._client.remove_pending_request(future)
                 self._on_answer(job, back, f"the controller did not answer in {_ANSWER:g} s")
+
+    def _on_announced(self, message: StackRequest) -> None:
+        """Note the name of a stack that a user sent."""
+        if message.stack_yaml:
+            self._known.add(message.stack)
 
     def _on_status(self, message: TransitionStatus) -> None:
         """Note where robots are."""

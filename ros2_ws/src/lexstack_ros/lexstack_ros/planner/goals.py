@@ -147,10 +147,6 @@ def wanted_of(
         known = ", ".join(team.names)
         raise InputError(f"robot: unknown {shown(goal.robot)}; known: {known}")
     robot = team.names.index(goal.robot)
-    if not team.robots[robot].has_base:
-        raise InputError(f"robot: {goal.robot} has no base, and the MPC needs one")
-    if team.robots[robot].differential:
-        raise InputError(f"robot: {goal.robot}: its base is differential, the MPC's is holonomic")
     architecture = goal.architecture or "ht"
     if architecture not in ARCHITECTURES:
         known = ", ".join(ARCHITECTURES)
@@ -173,10 +169,10 @@ def base_at(state: RobotState | None, team: Team, robot: int) -> tuple[float, fl
     Args:
         state: the newest one.
         team: the robots.
-        robot: its place among them.
+        robot: its place; one without a base stands where it is mounted.
     """
-    model = team.robots[robot]
-    if state is None or np.abs(state.command[team.slices[robot]][model.base]).max() > _RESTS:
+    model, part = team.robots[robot], team.slices[robot]
+    if state is None or np.abs(state.command[part][model.base]).max(initial=0.0) > _RESTS:
         return None
-    x, y, yaw = map(float, state.q[team.q_slices[robot]][model.base_q])
+    x, y, yaw = map(float, model.base_pose(state.q[team.q_slices[robot]]))
     return x, y, yaw

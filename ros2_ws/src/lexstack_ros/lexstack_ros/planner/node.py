@@ -11,7 +11,7 @@ from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory
 
 from lexstack.errors import InputError
-from lexstack.mpc import ARCHITECTURES, Change, Reach, SequenceRunner
+from lexstack.mpc import ARCHITECTURES, Change, Reach, SequenceRunner, plans_of
 from lexstack.tasks import plan_stack
 from lexstack.transition import MAX_SCHEDULED, too_far
 from lexstack.types import RobotState
@@ -19,6 +19,7 @@ from lexstack_config.parts import build_team
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import Sequence, SequenceStatus
 from lexstack_ros.intake.plant_states import PlantStates
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.plans import (
     PLAN,
     joint_names,
@@ -60,25 +61,20 @@ class HtmpcNode(Node):
         self._later: list[Wish] = []
         self._meter = Meter()
         self._failures = 0
+        self._failed = 0  # of them those since the last report
         self._runners: dict[int, SequenceRunner] = {}
-        driving = {
-            i: robot
-            for i, robot in enumerate(self._team.robots)
-            if robot.has_base and not robot.differential
-        }
-        self._reach = {i: Reach(robot, self._team.obstacles) for i, robot in driving.items()}
+        self._reach = [Reach(robot, self._team.obstacles) for robot in self._team.robots]
         named = {entry.robot for entry in scenario.sequences.values()}
         for robot in sorted(map(self._team.index, named or scenario.robots)):
-            if robot in driving:
-                self._runner(robot)
-        self._plan_out = self.create_publisher(JointTrajectory, PLAN, STREAM)
-        self._status_out = self.create_publisher(SequenceStatus, "/htmpc/status", STREAM)
-        self._sequence_out = self.create_publisher(Sequence, "/htmpc/sequence", LATCHED)
+            self._runner(robot)
+        self._plan_out = self.create_publisher(JointTrajectory, relative(PLAN), STREAM)
+        self._status_out = self.create_publisher(SequenceStatus, "htmpc/status", STREAM)
+        self._sequence_out = self.create_publisher(Sequence, "htmpc/sequence", LATCHED)
         self._follow_client = FollowClient(self, self._team, self._resolved, self._on_answer)
         self._action = GoalServer(
             self,
             ExecuteSequence,
-            ACTION,
+            relative(ACTION),
             execute_callback=self._execute,
             goal_callback=self._on_request,
             handle_accepted_callback=self._on_goal,
@@ -154,7 +150,7 @@ class HtmpcNode(Node):
             raise InputError("no sequence is under way for this robot")
         runner = self._runners[robot]
         if change.kind == "retarget":
-            points = to_points(wish.poses, runner.task(change.name).kind, f"task {change.name!r}")
+            points = to_points(wish.task, runner.task(change.name).kind, f"task {change.name!r}")
             change = replace(change, points=points)
         self._check_change(robot, change)
         runner.change(change, state)
@@ -208,13 +204,14 @@ class HtmpcNode(Node):
             runner.begin(job.tasks, ARCHITECTURES[job.architecture], state)
             job.stage = Stage.RUNNING
             self._announce(job.robot, event)
-        progress = runner.step(state)
+        progress = runner.step(state, plans_of(self._runners))
         self._plan_out.publish(plan_message(progress.plan, joint_names(self._team, job.robot)))
         status = status_message(progress, state, name, job.architecture)
         self._status_out.publish(status)
         job.tell(status)
         self._meter.add(progress.plan.solve_time)
         self._failures += not progress.plan.solved
+        self._failed += not progress.plan.solved
         if job.stage is Stage.RUNNING and (job.cancelled or progress.sequence.done):
             job.end("" if progress.sequence.done else "cancelled")
             job.stage = Stage.LEAVING
@@ -271,6 +268,7 @@ class HtmpcNode(Node):
     def _health(self) -> Health:
         """Return how the node is."""
         complaint, ages = self._states.report()
+        failed, self._failed = self._failed, 0
         return Health(
             first(complaint, f"{self._failures} solves failed" if self._failures else ""),
             {
@@ -281,6 +279,8 @@ class HtmpcNode(Node):
                 "skipped states": str(self._states.skipped),
                 "refused messages": str(self._states.refused),
             },
+            error=f"{failed} plans were not solved" if failed else "",
+            stale=self._states.delays.silent,
         )
 
 

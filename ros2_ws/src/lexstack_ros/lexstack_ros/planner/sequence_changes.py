@@ -14,6 +14,7 @@ from lexstack.mpc import Change
 from lexstack.options import shown
 from lexstack.robots import Team
 from lexstack_interfaces.srv import ChangeSequence
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.plans import to_task
 from lexstack_ros.messages.qos import STREAM
 
@@ -33,13 +34,13 @@ class Wish:
     Attributes:
         robot: its place in the team; None: the one with a sequence under way.
         change: see there; without the points of a retarget.
-        poses: of a retarget, as messages.
+        task: of a retarget, the message that has its points.
         at_tick: from which on it holds; 0: now.
     """
 
     robot: int | None
     change: Change
-    poses: Any = ()
+    task: Any = None
     at_tick: int = 0
 
 
@@ -55,8 +56,8 @@ class SequenceChanges:
         self._node = node
         self._team = team
         self._apply = apply
-        node.create_service(ChangeSequence, _WHERE, self._on_change)
-        node.create_subscription(String, "/htmpc/release", self._on_release, STREAM)
+        node.create_service(ChangeSequence, relative(_WHERE), self._on_change)
+        node.create_subscription(String, "htmpc/release", self._on_release, STREAM)
 
     def _on_change(
         self, request: ChangeSequence.Request, response: ChangeSequence.Response
@@ -64,7 +65,7 @@ class SequenceChanges:
         """Change, or refuse with the reason."""
         try:
             robot = None if not request.robot else self._robot(request.robot)
-            wish = Wish(robot, _change(request), request.task.points, int(request.at_tick))
+            wish = Wish(robot, _change(request), request.task, int(request.at_tick))
             response.message = self._apply(wish)
             response.accepted = True
         except InputError as error:

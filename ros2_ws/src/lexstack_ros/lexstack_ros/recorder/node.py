@@ -14,7 +14,8 @@ from lexstack_bag.errors import BagError
 from lexstack_bag.run.provenance import run_provenance
 from lexstack_bag.storage.writer import BagWriter
 from lexstack_bag.topics import NEEDED, contract_topics
-from lexstack_ros.node.diagnostics import Diagnostics, Health, first
+from lexstack_ros.messages.names import relative
+from lexstack_ros.node.diagnostics import Diagnostics, Health
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter
 from lexstack_ros.node.readiness import Readiness
@@ -43,16 +44,20 @@ class Recorder(Node):
         self.niceness = beside(resolved.scenario.mode)
         expected = contract_topics(resolved.scenario.robots) | options.expected
         self._selection = options.selection
-        self._writer = BagWriter(options.output, run_provenance(resolved), options.storage)
+        self._cell = self.get_namespace().rstrip("/")
+        provenance = run_provenance(resolved, self._cell)
+        self._writer = BagWriter(options.output, provenance, options.storage)
         self._taps: dict[str, Tap] = {}
         self._announced: set[str] = set()
         self._refused: set[str] = set()
         self._broken = ""  # why the bag ends here, while the run goes on
         self._lost_before: Counter[str] = Counter()  # of subscriptions that were renewed
-        for name, type_name in expected.items():
+        for plain, type_name in expected.items():
+            ours = plain not in options.expected
+            name = self.resolve_topic_name(relative(plain) if ours else plain)
             if self._selection.takes(name, type_name):
                 self._subscribe(name, type_name)
-            elif name in NEEDED:
+            elif plain in NEEDED:
                 self.get_logger().warning(f"{name} is left out: the bag cannot be analysed")
         self._diagnostics = Diagnostics(self, self._health)
         wall = Clock(clock_type=ClockType.STEADY_TIME)  # goes on while simulated time stands
@@ -86,7 +91,7 @@ class Recorder(Node):
     def _discover(self) -> None:
         """Subscribe to topics that are new, and anew where the QoS of a publisher does not fit."""
         for name, types in self.get_topic_names_and_types():
-            if is_hidden(name) or name in self._refused:
+            if is_hidden(name) or name in self._refused or self._is_foreign(name):
                 continue
             if not self._selection.takes(name, types[0]):
                 continue
@@ -102,6 +107,10 @@ class Recorder(Node):
             if name in self._taps:
                 self._taps[name].publishers = count
             self._announce(name)
+
+    def _is_foreign(self, name: str) -> bool:
+        """Return whether a topic is another cell's, or of all: outside of the own namespace."""
+        return not name.startswith(f"{self._cell}/") and name not in self._taps
 
     def _subscribe(self, name: str, type_name: str, qos: QoSProfile | None = None) -> None:
         """Record a topic from now on; an unknown type is refused once, with a warning."""
@@ -160,12 +169,13 @@ class Recorder(Node):
         """Return how the recording goes."""
         lost = sum(self._lost().values())
         return Health(
-            first(self._broken, f"{lost} messages lost" if lost else ""),
+            f"{lost} messages lost" if lost else "",
             {
                 "messages": str(self._writer.extent.total),
                 "topics": str(len(self._announced)),
                 "lost": str(lost),
             },
+            error=self._broken,
         )
 
 

@@ -137,8 +137,12 @@ class Tap:
 
     @property
     def lost(self) -> int:
-        """Messages that were sent since the recording began and never came."""
-        return 0 if self.shared else max(self._counter.lost - self._before, 0)
+        """Messages that were sent since the recording began and never came.
+
+        Of a topic that is sent best effort none: nobody must have all of them.
+        """
+        reliable = self.qos.reliability == ReliabilityPolicy.RELIABLE
+        return max(self._counter.lost - self._before, 0) if reliable and not self.shared else 0
 
     def begin(self) -> None:
         """Count from now on: what was sent while processes found each other is no loss."""

@@ -9,16 +9,21 @@ import numpy as np
 from rclpy.node import Node
 
 from lexstack.control import share
-from lexstack.errors import InputError
+from lexstack.errors import ConfigurationError, InputError
 from lexstack.hqp import near_singularity
+from lexstack.options import shown
 from lexstack.robots import Kinematics
+from lexstack.tasks import Stack
 from lexstack.transition import Announcement, SourceSchedule
 from lexstack.types import RobotState
+from lexstack_bag.topics import REQUEST
 from lexstack_config.parts import Parts, build_stack_solver
+from lexstack_config.sent_stacks import fit_stack, read_stack
 from lexstack_interfaces.msg import Chi, References, StackRequest
-from lexstack_ros.controller.references import KEPT, HeardReferences
+from lexstack_ros.controller.references import KEPT, HeardReferences, load_ahead
 from lexstack_ros.intake.plant_states import PlantStates
 from lexstack_ros.messages.conversions import WORLD, to_announcement, to_array, to_seconds, to_time
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import LATCHED, LATEST, STREAM
 from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
@@ -38,23 +43,27 @@ class StackSolverNode(Node):
         self._solver = build_stack_solver(self._resolved, self._parts)
         solvers = self._resolved.scenario.solvers
         number = count_parameter(self, "number", "which of the scenario's solvers it is", solvers)
-        everyone = len(self._parts.team.robots)
-        self._mine = {
-            name: share(stack, everyone, number, solvers)
-            for name, stack in self._parts.stacks.items()
-        }
+        self._number = number
+        self._stacks: dict[str, Stack] = {}  # those that can be asked for
+        self._mine: dict[str, Stack | None] = {}  # what this solver solves of each
+        self._texts: dict[str, str] = {}  # of those that users sent
+        self._know_the_configured()
         self._schedule = SourceSchedule()
         self._state: RobotState | None = None
         self._served: tuple[int, set[int]] = (-1, set())  # the last tick, and its transitions' ids
         self._failures = 0
+        self._failed = ""  # why a stack was not solved since the last report
         self._meter = Meter()
         self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
         self._chi.header.frame_id = WORLD
-        self._chi_out = self.create_publisher(Chi, "/robot_b/chi", STREAM)
+        self._chi_out = self.create_publisher(Chi, "robot_b/chi", STREAM)
         team = self._parts.team
         self._references = HeardReferences(self, team, on_news=self._on_references)
-        self._kept = self.create_publisher(References, KEPT, LATEST) if number == 1 else None
-        self.create_subscription(StackRequest, "/robot_a/stack_request", self._on_request, LATCHED)
+        load_ahead(self._resolved.scenario.mode)
+        self._kept = (
+            self.create_publisher(References, relative(KEPT), LATEST) if number == 1 else None
+        )
+        self.create_subscription(StackRequest, relative(REQUEST), self._on_request, LATCHED)
         Diagnostics(self, self._health)
         newest = int(self._resolved.scenario.mode == "realtime")
         self._states = PlantStates(
@@ -83,14 +92,40 @@ class StackSolverNode(Node):
     def _on_request(self, message: StackRequest) -> None:
         """Take the controller's wish, and serve it for the present state if that is due."""
         try:
-            wanted = to_announcement(message, self._parts.stacks, self._parts.team)
+            self._learn(message.stack, message.stack_yaml)
+            wanted = to_announcement(message, self._stacks, self._parts.team)
         except InputError as error:
             self._states.refuse(error)
             return
-        if self._parts.stacks[wanted.stack].planned or self._mine[wanted.stack] is None:
+        if self._stacks[wanted.stack].planned or self._mine[wanted.stack] is None:
             return  # the HTMPC's, or another solver's
         self._schedule.hear(wanted)
         self._serve()
+
+    def _learn(self, name: str, text: str) -> None:
+        """Know a stack that a user sent to the controller; raises InputError."""
+        if not text or name in self._parts.stacks or self._texts.get(name) == text:
+            return
+        try:
+            config = read_stack(text)
+            if config.name != name:
+                raise InputError(f"{REQUEST}: stack: {shown(name)} is not that of stack_yaml")
+            self._know(fit_stack(config, self._parts.team))
+        except ConfigurationError as error:
+            raise InputError(f"{REQUEST}: {error}") from error
+        self._texts[name] = text
+
+    def _know(self, stack: Stack) -> None:
+        """Let a stack be asked for."""
+        robots, solvers = len(self._parts.team.robots), self._resolved.scenario.solvers
+        self._stacks[stack.name] = stack
+        self._mine[stack.name] = share(stack, robots, self._number, solvers)
+
+    def _know_the_configured(self) -> None:
+        """Let the scenario's stacks be asked for, and none that users sent."""
+        self._stacks, self._mine, self._texts = {}, {}, {}
+        for stack in self._parts.stacks.values():
+            self._know(stack)
 
     def _serve(self) -> None:
         """Send the optimum of each stack that is asked for, once per state and request.
@@ -141,11 +176,13 @@ class StackSolverNode(Node):
         self._chi_out.publish(chi)
         if not usable:
             self._failures += 1
+            self._failed = f"not solved: {chi.stack}: {chi.reason or 'chi is not finite'}"
             self.get_logger().warning(solution.reason, throttle_duration_sec=1.0)
 
     def _restart(self) -> None:
         """Begin anew after a reset of the plant."""
         self._solver = build_stack_solver(self._resolved, self._parts)
+        self._know_the_configured()
         self._schedule = SourceSchedule()
         self._state = None
         self._served = (-1, set())
@@ -153,6 +190,7 @@ class StackSolverNode(Node):
     def _health(self) -> Health:
         """Return how the node is."""
         complaint, ages = self._states.report()
+        failed, self._failed = self._failed, ""
         return Health(
             first(complaint, f"{self._failures} ticks failed" if self._failures else ""),
             {
@@ -163,6 +201,8 @@ class StackSolverNode(Node):
                 "skipped states": str(self._states.skipped),
                 "refused messages": str(self._states.refused + self._references.refused),
             },
+            error=failed,
+            stale=self._states.delays.silent,
         )
 
 

@@ -1,86 +1,200 @@
-"""Carries out what the live page asks for, by the topics and services that anybody may use."""
+"""Carries out what the page asks for, by the topics, services and actions that anybody may use."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import Future
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
+from rclpy.action import ActionClient
 from rclpy.node import Node
-from std_srvs.srv import Trigger
+from std_msgs.msg import String
+from std_srvs.srv import SetBool, Trigger
 
-from lexstack.references import References
+from lexstack.errors import LexstackError
+from lexstack.mpc import tasks_of
 from lexstack.robots import Pose, Team, from_rpy, to_quaternion
+from lexstack_config.scenario import ScenarioConfig
+from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.srv import ApplyWrench, SwitchStack
 from lexstack_ros.messages.conversions import pose_message
+from lexstack_ros.messages.plans import task_message
 from lexstack_ros.messages.qos import STREAM
-from lexstack_ros.view.orders import Cancel, NewTarget, Order, Push, Switch
-from lexstack_ros.view.server import ViewError
+from lexstack_ros.view import orders
+from lexstack_ros.view.page.controls import ENABLE, PLANT, PUSH, SEQUENCES, SWITCH
+
+
+class RefusedError(LexstackError):
+    """An order could not be carried out; the text says why."""
 
 
 class Actions:
     """Publishers and clients of a node that is a user of the run."""
 
-    def __init__(self, node: Node, team: Team, present: Callable[[], References]) -> None:
-        """Make them; ``present`` returns the references in effect."""
-        self._team = team
-        self._present = present
+    def __init__(
+        self,
+        node: Node,
+        team: Team,
+        scenario: ScenarioConfig,
+        tell: Callable[[str], None],
+        refuse: Callable[[str], None],
+    ) -> None:
+        """Make them.
+
+        Args:
+            node: whose they are.
+            team: the robots.
+            scenario: with its sequences.
+            tell: takes what became of an order.
+            refuse: takes why one was not carried out.
+        """
+        self._scenario, self._tell, self._refuse = scenario, tell, refuse
         self._targets = {
-            (name, kind): node.create_publisher(PoseStamped, f"/{name}/{kind}", STREAM)
+            (name, kind): node.create_publisher(PoseStamped, f"{name}/{kind}", STREAM)
             for name in team.names
             for kind in ("ee_target", "base_target")
         }
-        self._switch = node.create_client(SwitchStack, "/robot_a/switch_stack")
-        self._cancel = node.create_client(Trigger, "/robot_a/cancel_transition")
-        self._push = node.create_client(ApplyWrench, "/sim_bridge/apply_wrench")
+        self._switch = node.create_client(SwitchStack, "robot_a/switch_stack")
+        self._cancel = node.create_client(Trigger, "robot_a/cancel_transition")
+        self._push = node.create_client(ApplyWrench, "sim_bridge/apply_wrench")
+        self._pause = node.create_client(SetBool, "sim_bridge/pause")
+        self._step = node.create_client(Trigger, "sim_bridge/step")
+        self._reset = node.create_client(Trigger, "sim_bridge/reset")
+        self._enable = {name: node.create_client(SetBool, f"{name}/enable") for name in team.names}
+        self._sequences: ActionClient | None = None
+        if scenario.sequences:
+            self._sequences = ActionClient(node, ExecuteSequence, "htmpc/execute_sequence")
+            self._release = node.create_publisher(String, "htmpc/release", STREAM)
+        self._goal: Any = None
 
-    def carry_out(self, order: Order, answer: Future[str]) -> None:
-        """Do what was asked; the answer comes now, or when the service has answered."""
+    def offered(self) -> Iterator[str]:
+        """Yield what is served now, by the names of ``controls``."""
+        clients = {
+            SWITCH: (self._switch, self._cancel),
+            PUSH: (self._push,),
+            PLANT: (self._pause, self._step, self._reset),
+            **{f"{ENABLE} {name}": (client,) for name, client in self._enable.items()},
+        }
+        for name, needed in clients.items():
+            if all(client.service_is_ready() for client in needed):
+                yield name
+        if self._sequences is not None and self._sequences.server_is_ready():
+            yield SEQUENCES
+
+    def carry_out(self, order: orders.Order) -> None:
+        """Do what was asked; the answer is told now, or when the service has answered."""
         try:
-            match order:
-                case Switch():
-                    request = SwitchStack.Request(stack=order.stack, duration=order.duration)
-                    _call(self._switch, request, answer, lambda said: said.accepted)
-                case Cancel():
-                    _call(self._cancel, Trigger.Request(), answer, lambda said: said.success)
-                case Push():
-                    _call(self._push, _wrench(order), answer, lambda said: said.success)
-                case NewTarget():
-                    answer.set_result(self._send_target(order))
-        except ViewError as error:
-            answer.set_exception(error)
+            self._carry_out(order)
+        except RefusedError as error:
+            self._refuse(str(error))
 
-    def _send_target(self, order: NewTarget) -> str:
-        """Publish a reference from now on; an end effector keeps its direction."""
-        if order.kind == "ee":
-            held = self._present().ee[self._team.index(order.robot)]
-            pose = Pose(np.array(order.values), held.rotation)
+    def _carry_out(self, order: orders.Order) -> None:
+        """Do what was asked; raises RefusedError."""
+        match order:
+            case orders.ToolTarget() | orders.BaseTarget():
+                self._send_target(order)
+            case orders.Execute():
+                self._execute(order.sequence)
+            case orders.Stop():
+                self._stop()
+            case orders.Release():
+                self._release_held()
+            case _:
+                self._call(*self._request(order))
+
+    def _request(self, order: orders.Order) -> tuple[Any, Any]:
+        """Return the client and the request of an order that is a service's."""
+        found: dict[type, tuple[Any, Callable[[Any], Any]]] = {
+            orders.Switch: (
+                self._switch,
+                lambda o: SwitchStack.Request(stack=o.stack, duration=o.duration),
+            ),
+            orders.Cancel: (self._cancel, lambda _: Trigger.Request()),
+            orders.Push: (self._push, _wrench),
+            orders.Pause: (self._pause, lambda o: SetBool.Request(data=o.paused)),
+            orders.Step: (self._step, lambda _: Trigger.Request()),
+            orders.Reset: (self._reset, lambda _: Trigger.Request()),
+        }
+        if isinstance(order, orders.Enable):
+            return self._enable[order.robot], SetBool.Request(data=order.enabled)
+        client, request = found[type(order)]
+        return client, request(order)
+
+    def _send_target(self, order: orders.ToolTarget | orders.BaseTarget) -> None:
+        """Publish a reference from now on."""
+        if isinstance(order, orders.ToolTarget):
+            kind, turn = "ee_target", np.array(order.quaternion)
+            pose = Pose(np.array(order.position), np.eye(3))
         else:
-            x, y, yaw = order.values
-            pose = Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))
-        message = pose_message(pose, 0.0, to_quaternion(pose.rotation))
-        self._targets[order.robot, f"{order.kind}_target"].publish(message)
-        return f"target sent: {order.robot}, {order.kind}"
+            x, y, yaw = order.place
+            kind, turn = "base_target", to_quaternion(from_rpy((0.0, 0.0, yaw)))
+            pose = Pose(np.array([x, y, 0.0]), np.eye(3))
+        self._targets[order.robot, kind].publish(pose_message(pose, 0.0, turn))
+        place = ", ".join(f"{value:.3f}" for value in pose.position)
+        self._tell(f"target sent: {order.robot}, {kind.partition('_')[0]}: {place} m")
+
+    def _call(self, client: Any, request: Any) -> None:
+        """Call a service; its message is told, or the reason of a refusal."""
+        if not client.service_is_ready():
+            raise RefusedError(f"{client.srv_name} is not there")
+
+        def done(future: Any) -> None:
+            said = future.result()
+            agreed = said.accepted if hasattr(said, "accepted") else said.success
+            (self._tell if agreed else self._refuse)(
+                said.message or ("done" if agreed else "refused")
+            )
+
+        client.call_async(request).add_done_callback(done)
+
+    def _execute(self, name: str) -> None:
+        """Send a sequence of the scenario as a goal."""
+        if self._sequences is None or not self._sequences.server_is_ready():
+            raise RefusedError("/htmpc/execute_sequence is not there")
+        config = self._scenario.sequences[name]
+        goal = ExecuteSequence.Goal(robot=config.robot, architecture=config.architecture)
+        goal.tasks = [task_message(task) for task in tasks_of(config)]
+
+        def answered(future: Any) -> None:
+            handle = future.result()
+            if not handle.accepted:
+                self._refuse(f"sequence {name}: refused; the log of htmpc says why")
+                return
+            self._goal = handle
+            self._tell(f"sequence {name} begins")
+            handle.get_result_async().add_done_callback(finished)
+
+        def finished(future: Any) -> None:
+            result = future.result().result
+            word = "all tasks are done" if result.success else result.message
+            self._tell(f"sequence {name}: {result.done} done: {word}")
+
+        self._sequences.send_goal_async(goal).add_done_callback(answered)
+
+    def _stop(self) -> None:
+        """Cancel the goal that was sent last."""
+        if self._goal is None:
+            raise RefusedError("this page has begun no sequence")
+        self._goal.cancel_goal_async()
+        self._tell("the sequence is cancelled")
+
+    def _release_held(self) -> None:
+        """Release every task that a sequence of the scenario holds."""
+        held = {
+            f"{config.robot}/{task.name}"
+            for config in self._scenario.sequences.values()
+            for task in tasks_of(config)
+            if task.held
+        }
+        if not held:
+            raise RefusedError("no task of these sequences is held")
+        for name in sorted(held):
+            self._release.publish(String(data=name))
+        self._tell(f"released: {', '.join(sorted(held))}")
 
 
-def _call(client: Any, request: Any, answer: Future[str], is_yes: Callable[[Any], bool]) -> None:
-    """Call a service; its message becomes the answer, or the reason of a refusal."""
-    if not client.service_is_ready():
-        raise ViewError(f"{client.srv_name} is not there")
-
-    def done(future: Any) -> None:
-        said = future.result()
-        if is_yes(said):
-            answer.set_result(said.message or "done")
-        else:
-            answer.set_exception(ViewError(said.message or "refused"))
-
-    client.call_async(request).add_done_callback(done)
-
-
-def _wrench(order: Push) -> ApplyWrench.Request:
+def _wrench(order: orders.Push) -> ApplyWrench.Request:
     """Return the service's request."""
     request = ApplyWrench.Request(robot=order.robot, link=order.link, duration=order.duration)
     force = request.wrench.force

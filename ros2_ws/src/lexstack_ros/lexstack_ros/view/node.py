@@ -1,4 +1,4 @@
-"""The node of the live page: hears what anybody may hear, asks what anybody may ask.
+"""The node of the page: hears what anybody may hear, asks what anybody may ask.
 
 Its streams are best effort and read raw: a slow browser holds nobody up, and only what is shown
 is decoded.
@@ -9,31 +9,39 @@ from __future__ import annotations
 import sys
 from collections import deque
 from functools import partial
+from queue import Empty, SimpleQueue
+from typing import Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
+from trajectory_msgs.msg import JointTrajectory
+from visualization_msgs.msg import MarkerArray
 
 from lexstack.errors import InputError
 from lexstack.references import References, measured
+from lexstack.types import Matrix
+from lexstack_bag.topics import PLAN, PLANT_STATE, PROGRESS, TRANSITION
 from lexstack_config.parts import build_team, home_of
-from lexstack_interfaces.msg import Chi, PlantState, TransitionStatus
+from lexstack_interfaces.msg import Chi, PlantState, SequenceStatus, TransitionStatus
 from lexstack_ros.controller.references import HeardReferences
-from lexstack_ros.messages.conversions import to_seconds, to_vector
-from lexstack_ros.messages.names import PAGE, URL
+from lexstack_ros.messages.conversions import to_seconds
+from lexstack_ros.messages.names import PAGE, URL, relative
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter
 from lexstack_ros.node.readiness import READY
 from lexstack_ros.node.spin import LAST, run_node
 from lexstack_ros.view.actions import Actions
-from lexstack_ros.view.hub import Hub
-from lexstack_ros.view.news import COMMANDER, SOURCE, news
-from lexstack_ros.view.orders import read_order
-from lexstack_ros.view.page import live_page
-from lexstack_ros.view.server import ViewServer
+from lexstack_ros.view.heard import COMMANDER, SOURCE, Heard, horizon_of, picture_of
+from lexstack_ros.view.markers import MARKERS, Markers
+from lexstack_ros.view.orders import Known, Order
+from lexstack_ros.view.page.live import LivePage
 
-_PERIOD = 0.05  # s of wall time between two news
+_PERIOD = 0.05  # s of wall time between two pictures
+_OFFERED = 1.0  # s of wall time between two looks at what is served
+_LATER = 1e6  # s after a decision: its references are at their goals
+_OLD = 1.0  # s of simulated time after which a plan is no longer followed
 
 
 class ViewNode(Node):
@@ -43,82 +51,119 @@ class ViewNode(Node):
         """Serve the page; raises LexstackError for a wrong parameter."""
         super().__init__(**options.arguments(PAGE))
         self.niceness = LAST
-        self._resolved = scenario_parameter(self)
-        self._team = team = build_team(self._resolved)
-        self._state: bytes | None = None
-        self._chi: dict[str, bytes] = {}
+        self._resolved = resolved = scenario_parameter(self)
+        self._team = team = build_team(resolved)
         # Of two ticks, and of every robot at most one at a tick.
-        most = 2 * len(team.names)
-        self._statuses: deque[bytes] = deque(maxlen=most)
+        self._most = 2 * len(team.names)
+        self._bytes: dict[str, deque[bytes]] = {}
         self._references = HeardReferences(self, team)
-        self._shown_at = 0.0
-        self._hub = Hub()
-        read = partial(read_order, robots=team.names, stacks=tuple(sorted(self._resolved.stacks)))
-        self._server = ViewServer(live_page(self._resolved, team), self._hub, read)
-        newest, many = _newest(1), _newest(most)
-        self.create_subscription(PlantState, "/plant/state", self._hear, newest, raw=True)
-        of_a, of_b = (partial(self._hear_chi, name) for name in (COMMANDER, SOURCE))
-        self.create_subscription(Chi, "/robot_a/chi", of_a, newest, raw=True)
-        self.create_subscription(Chi, "/robot_b/chi", of_b, newest, raw=True)
-        self.create_subscription(
-            TransitionStatus, "/robot_a/transition", self._hear_status, many, raw=True
-        )
-        self._actions = Actions(self, team, self._in_effect)
+        self._orders: SimpleQueue[Order] = SimpleQueue()
+        home = home_of(team, resolved)
+        self._home = measured(team, home)
+        scenario = resolved.scenario
+        known = Known(team.names, tuple(sorted(resolved.stacks)), tuple(sorted(scenario.sequences)))
+        self._page = LivePage(f"lexstack: {scenario.name}", team, home, known, self._orders.put)
+        self._listen(PlantState, PLANT_STATE, 1)
+        for name in (COMMANDER, SOURCE):
+            self._listen(Chi, f"/{name}/chi", 1)
+        self._listen(TransitionStatus, TRANSITION, self._most)
+        self._listen(JointTrajectory, PLAN, self._most)
+        self._listen(SequenceStatus, PROGRESS, self._most)
+        self._markers = Markers(team)
+        self._markers_out = self.create_publisher(MarkerArray, relative(MARKERS), _newest(1))
+        self._actions = Actions(self, team, scenario, self._page.say, self._page.refuse)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_PERIOD, self._look, clock=wall)
-        print(f"{URL}{self._server.url}\n{READY}", flush=True)
+        self.create_timer(_OFFERED, self._offer, clock=wall)
+        print(f"{URL}{self._page.url}\n{READY}", flush=True)
 
     def close(self) -> None:
         """Send the browsers away."""
-        self._hub.close()
-        self._server.close()
+        self._page.close()
 
-    # ---- what the run says
+    def _listen(self, kind: type, topic: str, depth: int) -> None:
+        """Keep the last messages of a topic, as bytes."""
+        self._bytes[topic] = deque(maxlen=depth)
+        hear = partial(self._hear, topic)
+        self.create_subscription(kind, relative(topic), hear, _newest(depth), raw=True)
 
-    def _hear(self, data: bytes) -> None:
-        """Keep the newest state of the plant."""
-        self._state = data
+    def _hear(self, topic: str, data: bytes) -> None:
+        """Keep a message."""
+        self._bytes[topic].append(data)
 
-    def _hear_status(self, data: bytes) -> None:
-        """Keep the newest statuses of transitions."""
-        self._statuses.append(data)
+    def _last(self, kind: type, topic: str) -> list[Any]:
+        """Return the last messages of a topic."""
+        return [deserialize_message(data, kind) for data in self._bytes[topic]]
 
-    def _hear_chi(self, controller: str, data: bytes) -> None:
-        """Keep the newest solution of a controller."""
-        self._chi[controller] = data
+    def _offer(self) -> None:
+        """Tell the page what is served."""
+        if self._page.is_watched:
+            self._page.offer(set(self._actions.offered()))
 
     def _look(self) -> None:
-        """Carry orders out, and tell the page what is new, if somebody looks."""
-        while (entry := self._hub.take()) is not None:
-            self._actions.carry_out(*entry)
-        if not self._hub.is_watched or self._state is None:
+        """Carry orders out, and show what is new, if somebody looks, here or in RViz."""
+        while True:
+            try:
+                self._actions.carry_out(self._orders.get_nowait())
+            except Empty:
+                break
+        drawn = self._markers_out.get_subscription_count() > 0
+        if not (drawn or self._page.is_watched) or not self._bytes[PLANT_STATE]:
             return
-        state = deserialize_message(self._state, PlantState)
-        try:
-            to_vector(state.q, self._team.nq, "/plant/state: q")
-        except InputError:
-            return
+        (state,) = self._last(PlantState, PLANT_STATE)
+        chi = {
+            name: message
+            for name in (COMMANDER, SOURCE)
+            for message in self._last(Chi, f"/{name}/chi")
+        }
         now = to_seconds(state.header.stamp)
-        self._shown_at = now
-        chi = {name: deserialize_message(data, Chi) for name, data in sorted(self._chi.items())}
-        self._hub.publish(news(self._team, state, self._transitions(), chi, self._in_effect()))
+        try:
+            heard = Heard(
+                state, self._transitions(), chi, self._horizons(now), self._work(state.tick)
+            )
+            picture = picture_of(self._team, heard, *self._in_effect(now))
+        except InputError:
+            return  # of another team: its controller says so
+        if self._page.is_watched:
+            self._page.show(picture)
+        if drawn:
+            self._markers_out.publish(self._markers.message(picture))
 
-    def _in_effect(self) -> References:
-        """Return the references in effect; before the first decision, where the robots start."""
+    def _in_effect(self, now: float) -> tuple[References, References]:
+        """Return the references in effect and their goals; first, where the robots start."""
         timeline = self._references.timeline
         if timeline.newest is None:
-            return measured(self._team, home_of(self._team, self._resolved))
-        return timeline.at(self._shown_at)
+            return self._home, self._home
+        return timeline.at(now), timeline.newest.references(timeline.newest.at + _LATER)
 
     def _transitions(self) -> list[TransitionStatus]:
         """Return the statuses of the last tick that is whole: those of one tick come one by one."""
-        heard = [deserialize_message(data, TransitionStatus) for data in self._statuses]
+        heard = self._last(TransitionStatus, TRANSITION)
         if not heard:
             return []
         last = heard[-1].tick
         before = [status.tick for status in heard if status.tick != last]
         whole = before[-1] if before else last
         return [status for status in heard if status.tick == whole]
+
+    def _horizons(self, now: float) -> dict[int, Matrix]:
+        """Return the newest plan of each robot; none of before, and none of another team."""
+        found = {}
+        for plan in self._last(JointTrajectory, PLAN):
+            if abs(now - to_seconds(plan.header.stamp)) <= _OLD:
+                try:
+                    robot, points = horizon_of(plan, self._team)
+                except InputError:
+                    continue
+                found[robot] = points
+        return found
+
+    def _work(self, tick: int) -> list[SequenceStatus]:
+        """Return the newest status of each robot's sequence that goes on."""
+        heard = self._last(SequenceStatus, PROGRESS)
+        ticks = _OLD * self._resolved.scenario.rate
+        found = {one.robot: one for one in heard if abs(tick - one.tick) <= ticks}
+        return list(found.values())
 
 
 def _newest(depth: int) -> QoSProfile:
@@ -128,7 +173,7 @@ def _newest(depth: int) -> QoSProfile:
 
 
 def main() -> int:
-    """Run the live page's node; returns the exit code."""
+    """Run the page's node; returns the exit code."""
     return run_node(ViewNode)
 
 

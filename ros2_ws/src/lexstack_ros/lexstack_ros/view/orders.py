@@ -1,9 +1,9 @@
-"""What the live page may ask for: read from JSON, every field checked."""
+"""What the page may ask for: values of a browser, every one checked."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Collection, Mapping
+import math
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,9 @@ from lexstack.errors import InputError
 _FARTHEST = 100.0  # m
 _LONGEST = 60.0  # s
 _STRONGEST = 1000.0  # N
+_UNIT = 1e-3  # how far the norm of a quaternion may be from 1
+LINKS = ("base", "tool")
+"""What may be pushed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,12 +31,20 @@ class Cancel:
 
 
 @dataclass(frozen=True, slots=True)
-class NewTarget:
-    """A new reference: of the end effector x, y, z [m]; of the base x [m], y [m], yaw [rad]."""
+class ToolTarget:
+    """A new goal of a tool: position [m] and quaternion x, y, z, w, world."""
 
     robot: str
-    kind: str  # "ee" or "base"
-    values: tuple[float, float, float]
+    position: tuple[float, ...]
+    quaternion: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BaseTarget:
+    """A new goal of a base: x [m], y [m], yaw [rad], world."""
+
+    robot: str
+    place: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,76 +52,125 @@ class Push:
     """A force [N] in the world frame on a link for a duration [s] of simulated time."""
 
     robot: str
-    link: str  # "base" or "tool"
-    force: tuple[float, float, float]
+    link: str  # of LINKS
+    force: tuple[float, ...]
     duration: float
 
 
-Order = Switch | Cancel | NewTarget | Push
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Let the plant stand still after the present tick, or go on."""
+
+    paused: bool
 
 
-def read_order(text: bytes, robots: Collection[str], stacks: Collection[str]) -> Order:
-    """Return the order in a JSON object.
-
-    Raises:
-        InputError: it is none; the text names the field.
-    """
-    try:
-        content = json.loads(text, parse_constant=_refuse)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"not JSON: {error}") from error
-    if not isinstance(content, dict):
-        raise InputError("expected a JSON object")
-    readers = {
-        "switch": lambda: Switch(
-            _one_of(content, "stack", stacks), _number(content, "duration", 0.0, _LONGEST)
-        ),
-        "cancel": Cancel,
-        "target": lambda: NewTarget(
-            _one_of(content, "robot", robots),
-            _one_of(content, "kind", ("ee", "base")),
-            _three(content, "values", _FARTHEST),
-        ),
-        "push": lambda: Push(
-            _one_of(content, "robot", robots),
-            _one_of(content, "link", ("base", "tool")),
-            _three(content, "force", _STRONGEST),
-            _number(content, "duration", 0.001, _LONGEST),
-        ),
-    }
-    return readers[_one_of(content, "do", readers)]()
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One tick of a plant that stands still."""
 
 
-def _one_of(content: Mapping[str, Any], key: str, known: Collection[str]) -> str:
-    """Return one of the known words."""
-    value = content.get(key)
+@dataclass(frozen=True, slots=True)
+class Reset:
+    """Back to the start of the scenario."""
+
+
+@dataclass(frozen=True, slots=True)
+class Enable:
+    """Let a robot follow commands, or not."""
+
+    robot: str
+    enabled: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Execute:
+    """Begin a sequence of the scenario."""
+
+    sequence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """Cancel the sequence that the page has begun last."""
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """Release the held tasks of the sequences under way."""
+
+
+Order = (
+    Switch | Cancel | ToolTarget | BaseTarget | Push | Pause | Step | Reset | Enable | Execute
+    | Stop | Release
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What orders may name."""
+
+    robots: Collection[str]
+    stacks: Collection[str]
+    sequences: Collection[str] = ()
+
+    def switch(self, stack: Any, duration: Any) -> Switch:
+        """Return the order; raises InputError, as all of these."""
+        return Switch(
+            one_of(stack, "stack", self.stacks), number(duration, "duration", 0.0, _LONGEST)
+        )
+
+    def tool_target(self, robot: Any, position: Any, quaternion: Any) -> ToolTarget:
+        """Return the order; the quaternion is x, y, z, w."""
+        turn = numbers(quaternion, "orientation", 4, 1.0 + _UNIT)
+        if abs(math.hypot(*turn) - 1.0) > _UNIT:
+            raise InputError(f"orientation: norm must be 1, got {math.hypot(*turn):.4f}")
+        place = numbers(position, "position", 3, _FARTHEST)
+        return ToolTarget(one_of(robot, "robot", self.robots), place, turn)
+
+    def base_target(self, robot: Any, place: Any) -> BaseTarget:
+        """Return the order; the place is x, y, yaw."""
+        return BaseTarget(
+            one_of(robot, "robot", self.robots), numbers(place, "place", 3, _FARTHEST)
+        )
+
+    def push(self, robot: Any, link: Any, force: Any, duration: Any) -> Push:
+        """Return the order."""
+        return Push(
+            one_of(robot, "robot", self.robots),
+            one_of(link, "link", LINKS),
+            numbers(force, "force", 3, _STRONGEST),
+            number(duration, "duration", 0.001, _LONGEST),
+        )
+
+    def enable(self, robot: Any, enabled: Any) -> Enable:
+        """Return the order."""
+        return Enable(one_of(robot, "robot", self.robots), bool(enabled))
+
+    def execute(self, sequence: Any) -> Execute:
+        """Return the order."""
+        return Execute(one_of(sequence, "sequence", self.sequences))
+
+
+def one_of(value: Any, what: str, known: Collection[str]) -> str:
+    """Return one of the known words; raises InputError, as those below."""
     if not isinstance(value, str) or value not in known:
-        raise InputError(f"{key}: expected one of {', '.join(known)}, got {value!r:.80}")
+        raise InputError(f"{what}: expected one of {', '.join(known)}, got {value!r:.80}")
     return value
 
 
-def _number(content: Mapping[str, Any], key: str, lower: float, upper: float) -> float:
+def number(value: Any, what: str, lower: float, upper: float) -> float:
     """Return a number within limits."""
-    value = content.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{key}: expected a number, got {value!r:.80}")
+        raise InputError(f"{what}: expected a number, got {value!r:.80}")
     if not lower <= value <= upper:
-        raise InputError(f"{key}: must be from {lower:g} to {upper:g}, got {value:g}")
+        raise InputError(f"{what}: must be from {lower:g} to {upper:g}, got {value:g}")
     return float(value)
 
 
-def _three(content: Mapping[str, Any], key: str, most: float) -> tuple[float, float, float]:
-    """Return three numbers of at most ``most``."""
-    values = content.get(key)
-    if not isinstance(values, list) or len(values) != 3:
-        raise InputError(f"{key}: expected three numbers, got {values!r:.80}")
-    first, second, third = (
-        _number({f"{key}[{i}]": value}, f"{key}[{i}]", -most, most)
-        for i, value in enumerate(values)
-    )
-    return first, second, third
-
-
-def _refuse(word: str) -> float:
-    """Refuse NaN and Infinity, which are no JSON."""
-    raise ValueError(f"{word} is no number")
+def numbers(values: Any, what: str, count: int, most: float) -> tuple[float, ...]:
+    """Return ``count`` numbers of at most ``most``."""
+    if hasattr(values, "tolist"):
+        values = values.tolist()
+    if not isinstance(values, Sequence) or isinstance(values, str) or len(values) != count:
+        raise InputError(f"{what}: expected {count} numbers, got {values!r:.80}")
+    return tuple(number(value, f"{what}[{i}]", -most, most) for i, value in enumerate(values))

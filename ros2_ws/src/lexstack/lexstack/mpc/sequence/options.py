@@ -16,7 +16,9 @@ class SequenceTaskConfig:
 
     name: str  # by which it is released and changed
     # what of the robot it leads
-    kind: Literal["ee_position", "ee_pose", "base_position", "base_pose"]
+    kind: Literal[
+        "ee_position", "ee_pose", "ee_orientation", "base_position", "base_pose", "joint_positions"
+    ]
     points: tuple[
         tuple[Finite, ...], ...
     ]  # m, rad, quaternion x y z w; world frame, the last: goal
@@ -26,6 +28,10 @@ class SequenceTaskConfig:
     tolerance_angle: Positive = 0.1  # rad
     dwell: NotNegative = 0.0  # s, for so long
     held: bool = False  # not done before it is released
+    frame: str = "tool"  # that an end-effector kind moves: of the robot's tools, or of its URDF
+    joints: tuple[
+        str, ...
+    ] = ()  # of joint_positions, in the order of points; none: all but the base
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,51 +12,36 @@ from collections.abc import Iterable
 import numpy as np
 
 from lexstack.errors import InputError
+from lexstack.mpc.measures import joint_indices
+from lexstack.mpc.sequence.reach_search import FrameGoal, Place, ReachSearch
 from lexstack.mpc.sequence.task import SequenceTask
 from lexstack.robots import Obstacles, Pose, RobotModel
-from lexstack.robots.spatial import from_quaternions, log3
+from lexstack.robots.assembly import TOOL
+from lexstack.robots.spatial import from_quaternions
 from lexstack.types import Vector
 
-Place = tuple[float, float, float]  # of a base: x [m], y [m], yaw [rad]
-
-_STARTS = 12  # configurations that the search begins at, the home first
-_STEPS = 60  # per start
-_STALLED = 1e-7  # of the squared error: a start that gains less per step has ended
 # A goal is refused only if the least error found exceeds the tolerance by this much: at the border
 # of the reach the search converges slowly.
 _SLACK = 1e-3  # m, rad
-_BASE = slice(0, 3)  # of a robot that drives, and no other has a Reach
+_PLACED, _BOTH, _TURNED = slice(0, 3), slice(0, 6), slice(3, 6)  # of position above rotation
 
 
 class Reach:
     """The goals of tasks that one robot can meet."""
 
     def __init__(self, robot: RobotModel, obstacles: Obstacles) -> None:
-        """Take a robot and what is in its way.
-
-        Raises:
-            InputError: the robot has no base, and so executes no sequences.
-        """
-        if robot.config.base is None:
-            raise InputError(f"robot {robot.name}: has no base, and the MPC needs one")
+        """Take a robot and what is in its way."""
         self._robot, self._platform = robot, robot.config.base
         still = obstacles.resting
         self._centers, self._radii = obstacles.at(0.0)[still], obstacles.radii[still]
-        limits = robot.limits
-        lower, upper = limits.position_lower, limits.position_upper
-        home = robot.home((0.0, 0.0, 0.0))
-        # Seeded: the same goal gets the same answer in every process and run.
-        # A joint without limits is drawn from one turn.
-        least = np.where(np.isfinite(lower), lower, -np.pi)[3:]
-        most = np.where(np.isfinite(upper), upper, np.pi)[3:]
-        drawn = np.random.default_rng(0).uniform(least, most, (_STARTS - 1, robot.n - 3))
-        self._starts = np.vstack((home, np.hstack((np.zeros((_STARTS - 1, 3)), drawn))))
-        self._lower, self._upper = lower, upper
+        self._search = ReachSearch(robot)
 
     def check(
         self, tasks: Iterable[SequenceTask], architecture: str, base: Place | None = None
     ) -> None:
         """Raise InputError for the first task of a sequence whose goal cannot be met.
+
+        A frame, joint or base that the robot has not is refused as well.
 
         Args:
             tasks: in their order.
@@ -67,6 +52,7 @@ class Reach:
         stands = base
         for task in tasks:
             apart = architecture == "st"
+            task.check(self._robot)
             why = self._unmet(task, stands if apart else None)
             if why:
                 raise InputError(f"task {task.name!r}: points[{len(task.points) - 1}]: {why}")
@@ -82,42 +68,58 @@ class Reach:
         goal = np.array(task.points[-1])
         if task.kind.startswith("base"):
             return self._occupied(goal[:2])
-        if goal[2] < -task.tolerance:
-            return f"it is {-goal[2]:.2f} m below the floor"
-        for center, radius in zip(self._centers, self._radii, strict=True):
-            if np.linalg.norm(goal[:3] - center) + task.tolerance < radius:
-                return "it is inside an obstacle"
-        desired = goal[:3], np.eye(3)
-        if task.kind == "ee_pose":
-            # From one place of the base six equations stand against six or seven joints, and the
-            # search may miss the way there. What it finds for the place of the tool alone, and for
-            # the pose with a free base, is sure; both must be met.
-            place = "" if base is None else self._missed(desired, task, base, turned=False)
-            desired = goal[:3], from_quaternions(goal[None, 3:])[0]
-            return place or self._missed(desired, task, None, turned=True)
-        return self._missed(desired, task, base, turned=False)
+        if task.kind == "joint_positions":
+            return self._outside(task, goal)
+        if task.kind == "ee_orientation":
+            return self._missed(task, np.concatenate((np.zeros(3), goal)), None, _TURNED)
+        taken = self._taken(task, goal[:3])
+        if taken or task.kind == "ee_position":
+            return taken or self._missed(task, goal, base, _PLACED)
+        # From one place of the base six equations stand against six or seven joints, and the
+        # search may miss the way there. What it finds for the place of the frame alone, and for
+        # the pose with a free base, is sure; both must be met.
+        place = "" if base is None else self._missed(task, goal, base, _PLACED)
+        return place or self._missed(task, goal, None, _BOTH)
 
-    def _missed(
-        self,
-        desired: tuple[Vector, Vector],
-        task: SequenceTask,
-        base: Place | None,
-        *,
-        turned: bool,
-    ) -> str:
-        """Return by how much the tool misses a position and, if ``turned``, a rotation; or ''."""
-        pose = Pose(*desired)
+    def _taken(self, task: SequenceTask, place: Vector) -> str:
+        """Return what is where a frame is to be (3,) [m], or ''."""
+        if place[2] < -task.tolerance and self._platform is not None:
+            return f"it is {-place[2]:.2f} m below the floor"
+        for center, radius in zip(self._centers, self._radii, strict=True):
+            if np.linalg.norm(place - center) + task.tolerance < radius:
+                return "it is inside an obstacle"
+        return ""
+
+    def _outside(self, task: SequenceTask, goal: Vector) -> str:
+        """Return which joint's goal is beyond its limits by more than the tolerance, or ''."""
+        places = joint_indices(task, self._robot)
+        for place, value in zip(places, goal, strict=True):
+            slides = self._robot.sliding[place]
+            allowed = task.tolerance if slides else task.tolerance_angle
+            lower, upper = self._search.lower[place], self._search.upper[place]
+            if not lower - allowed < value < upper + allowed:
+                name = self._robot.coordinates[place]
+                return f"{name}: {value:g} is outside its limits [{lower:g}, {upper:g}]"
+        return ""
+
+    def _missed(self, task: SequenceTask, goal: Vector, base: Place | None, rows: slice) -> str:
+        """Return by how much the frame misses a goal (3,) or (7,), its ``rows`` of six; or ''."""
+        turned = from_quaternions(goal[None, 3:])[0] if rows.stop == 6 else np.eye(3)
         allowed = (task.tolerance + _SLACK, task.tolerance_angle + _SLACK)
-        distance, angle = self._least(pose, allowed, base, turned=turned)
+        frame = self._robot.frame(task.frame)
+        target = FrameGoal(frame, Pose(goal[:3], turned), rows)
+        distance, angle = self._search.least(target, allowed, base)
         if distance < allowed[0] and angle < allowed[1]:
             return ""
         from_here = "" if base is None else f" with the base at ({base[0]:.2f}, {base[1]:.2f}) m"
-        turn = f" and {angle:.2f} rad" if turned else ""
-        return f"out of reach: the tool comes to {distance:.3f} m{turn} of it at best{from_here}"
+        parts = [f"{distance:.3f} m"] * (rows.start == 0) + [f"{angle:.2f} rad"] * (rows.stop == 6)
+        what = "the tool" if task.frame == TOOL else task.frame
+        return f"out of reach: {what} comes to {' and '.join(parts)} of it at best{from_here}"
 
     def _occupied(self, place: Vector) -> str:
         """Return why a base cannot stand at x, y [m], shape (2,), whatever its yaw; or ''."""
         base = self._platform
+        assert base is not None  # SequenceTask.check has refused tasks of a base that is not there
         inside = min(base.chassis_size[:2]) / 2.0  # a disc that the chassis covers at any yaw
         half = base.chassis_size[2] / 2.0
         for center, radius in zip(self._centers, self._radii, strict=True):
@@ -128,72 +130,3 @@ class Reach:
             if np.linalg.norm(place - center[:2]) < wide + inside:
                 return "an obstacle stands there"
         return ""
-
-    def _least(
-        self, desired: Pose, allowed: tuple[float, float], base: Place | None, *, turned: bool
-    ) -> tuple[float, float]:
-        """Return the least distance [m] and angle [rad] from a pose, of all starts.
-
-        The search ends where both are ``allowed``. Levenberg and Marquardt's steps on the errors
-        of position and, if ``turned``, orientation, cut at the joint limits.
-        """
-        best = (np.inf, np.inf)
-        for start in self._starts:
-            q = start.copy()
-            if base is None:  # the tool begins above or below its goal
-                q[:2] += (desired.position - self._robot.tool(q)[0].position)[:2]
-            else:
-                q[_BASE] = base
-            found = self._descended(q, desired, allowed, free=base is None, turned=turned)
-            if sum(found) < sum(best):
-                best = found
-            if found[0] < allowed[0] and found[1] < allowed[1]:
-                break
-        return best
-
-    def _descended(
-        self, q: Vector, desired: Pose, allowed: tuple[float, float], *, free: bool, turned: bool
-    ) -> tuple[float, float]:
-        """Return distance and angle that one start comes to; ``free``: whether the base moves."""
-        rows = 6 if turned else 3
-        damping, error, jacobian = 1e-3, *self._error(q, desired, rows)
-        for _ in range(_STEPS):
-            if not _exceeds(error, allowed):
-                break
-            square = float(error @ error)
-            gradient = jacobian.T @ error
-            moves = ~((q <= self._lower) & (gradient > 0.0) | (q >= self._upper) & (gradient < 0.0))
-            moves[_BASE] &= free
-            moving = jacobian[:, moves]
-            normal = moving.T @ moving + damping * np.eye(moving.shape[1])
-            step = np.zeros_like(q)
-            step[moves] = -np.linalg.solve(normal, gradient[moves])
-            trial = np.clip(q + step, self._lower, self._upper)
-            next_error, next_jacobian = self._error(trial, desired, rows)
-            gain = square - float(next_error @ next_error)
-            if gain <= 0.0:
-                damping *= 10.0
-                if damping > 1e3:
-                    break
-                continue
-            q, error, jacobian, damping = trial, next_error, next_jacobian, max(damping / 5.0, 1e-9)
-            if gain < _STALLED * square:
-                break
-        return float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))
-
-    def _error(self, q: Vector, desired: Pose, rows: int) -> tuple[Vector, Vector]:
-        """Return the error of the tool's pose, shape (rows,), and its slope, shape (rows, n)."""
-        pose, jacobian = self._robot.tool(q)
-        error = pose.position - desired.position
-        if rows > 3:
-            turn = log3(pose.rotation @ desired.rotation.T)
-            error = np.concatenate((error, turn))
-        return error, jacobian[:rows]
-
-
-def _exceeds(error: Vector, allowed: tuple[float, float]) -> bool:
-    """Return whether distance or angle is beyond what is allowed."""
-    return bool(
-        np.linalg.norm(error[:3]) >= allowed[0]
-        or (len(error) > 3 and np.linalg.norm(error[3:]) >= allowed[1])
-    )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -11,6 +13,7 @@ from lexstack.errors import InputError
 from lexstack.mpc.collision_cost import CollisionScene
 from lexstack.mpc.htmpc import Htmpc, Start
 from lexstack.mpc.options import HtmpcConfig
+from lexstack.mpc.other_robots import OtherRobot
 from lexstack.mpc.plan import Plan
 from lexstack.mpc.sequence.options import SequenceConfig
 from lexstack.mpc.sequence.robot_pose import RobotPose
@@ -20,6 +23,7 @@ from lexstack.robots import Team
 from lexstack.types import RobotState, Vector
 
 _ROUNDING = 1e-9  # s
+_NO_PLANS: Mapping[int, Plan] = MappingProxyType({})
 
 ARCHITECTURES: dict[str, Architecture] = {"ht": HT_ARCH, "st": ST_ARCH}
 """By the names that goals and files use."""
@@ -67,6 +71,8 @@ class SequenceRunner:
     Attributes:
         robot: its place in the team.
         sequence: under way, or None.
+        plan: the newest one, if it was solved: what other robots must keep off, and the first
+            guess of the next one.
     """
 
     def __init__(self, team: Team, robot: int, config: HtmpcConfig, blend: float = 0.0) -> None:
@@ -86,7 +92,7 @@ class SequenceRunner:
         self._columns, self._place = team.slices[robot], team.q_slices[robot]
         self._others = [i for i in range(len(team.robots)) if i != robot]
         self._optimiser = Htmpc(self._model, config)
-        self._plan: Plan | None = None
+        self.plan: Plan | None = None
         self._blend = blend
         self._follows = 0.0  # s, the time from which on the controller follows exactly
 
@@ -98,7 +104,11 @@ class SequenceRunner:
         self, tasks: tuple[SequenceTask, ...], architecture: Architecture, state: RobotState
     ) -> None:
         """Begin a sequence at a state, in place of another one; raises InputError."""
-        self.sequence = Sequence.begin(tasks, architecture, self.pose(state))
+        for task in tasks:
+            task.check(self._model)
+        sequence = Sequence.begin(tasks, architecture, self.pose(state))
+        self._optimiser.prepare(sequence.windows)
+        self.sequence = sequence
         self._follows = state.stamp + self._blend
 
     def task(self, name: str) -> SequenceTask:
@@ -125,6 +135,9 @@ class SequenceRunner:
         sequence, pose = self.sequence, self.pose(state)
         if sequence is None:
             raise InputError("sequence: none is under way")
+        task = self.task_after(change)
+        if task is not None:
+            task.check(self._model)
         if change.kind == "release":
             self.sequence = sequence.release(change.name)
         elif change.kind == "cancel":
@@ -132,15 +145,23 @@ class SequenceRunner:
         elif change.kind == "retarget":
             self.sequence = sequence.retarget(change.name, change.points, pose)
         elif change.task is not None:
-            self.sequence = sequence.insert(_place(sequence, change.before), change.task, pose)
+            grown = sequence.insert(_place(sequence, change.before), change.task, pose)
+            self._optimiser.prepare(grown.windows)
+            self.sequence = grown
 
     def end(self) -> None:
         """Forget sequence and plan."""
         self.sequence = None
-        self._plan = None
+        self.plan = None
 
-    def step(self, state: RobotState) -> Progress:
+    def step(self, state: RobotState, plans: Mapping[int, Plan] = _NO_PLANS) -> Progress:
         """Return plan and progress at a state.
+
+        Args:
+            state: measured.
+            plans: that robots follow, by their places; one's own does not count. With
+                ``predict_others`` they are avoided along these plans, and robots without one as if
+                they braked now; otherwise where they stand.
 
         Poses are the measured ones. The velocity is the command in force, which the controller
         changes within its limits from tick to tick: the plan goes on from there. While the
@@ -157,27 +178,36 @@ class SequenceRunner:
         sequence = self.sequence = self.sequence.advanced(pose)
         times = state.stamp + self._optimiser.horizon.times[1:]
         start = Start(state.stamp, state.q[self._place], self._velocity(state))
-        around = self._collision_scene(state, times)
-        plan = self._optimiser.solve(start, sequence.objectives(times), self._plan, around)
-        self._plan = plan if plan.solved else None
+        plan = self._optimiser.solve(
+            start,
+            sequence.objectives(times),
+            self.plan,
+            self._collision_scene(state, times),
+            self._predicted(state, plans),
+        )
+        self.plan = plan if plan.solved else None
         now = np.array([state.stamp])
         tracking = tuple(
-            pose.errors(task.kind, trajectory.at(now)[0])[0]
+            pose.errors(task, trajectory.at(now)[0])[0]
             for task, trajectory in zip(sequence.window, sequence.trajectories, strict=True)
         )
         return Progress(sequence, plan, sequence.errors(pose), tracking)
 
     def _velocity(self, state: RobotState) -> Vector:
         """Return the velocity that a plan begins with, shape (n of the robot,)."""
-        before = self._plan
+        before = self.plan
         if before is None or not state.stamp < min(self._follows - _ROUNDING, before.end):
             return state.command[self._columns]
         return before.sample(state.stamp)[1]
 
     def _collision_scene(self, state: RobotState, times: Vector) -> CollisionScene | None:
-        """Return obstacles where they will be, and the other robots' spheres where they are."""
+        """Return obstacles where they will be, and other robots where they stand.
+
+        The latter only where they are not predicted.
+        """
         obstacles = self._team.obstacles
-        spheres = self._team.spheres(state.q) if self._others else None
+        frozen = bool(self._others) and not self._optimiser.config.predict_others
+        spheres = self._team.spheres(state.q) if frozen else None
         theirs = np.zeros(0, dtype=bool) if spheres is None else spheres.owners != self.robot
         if not len(obstacles) and not theirs.any():
             return None
@@ -187,6 +217,26 @@ class SequenceRunner:
             return found
         still = np.broadcast_to(spheres.centers[theirs], (len(times), int(theirs.sum()), 3))
         return found.joined(CollisionScene(still, spheres.radii[theirs]))
+
+    def _predicted(self, state: RobotState, plans: Mapping[int, Plan]) -> list[OtherRobot]:
+        """Return the other robots that are avoided where they will be."""
+        if not self._optimiser.config.predict_others:
+            return []
+        team = self._team
+        return [
+            OtherRobot(
+                team.robots[i],
+                state.q[team.q_slices[i]],
+                state.command[team.slices[i]],
+                plans.get(i),
+            )
+            for i in self._others
+        ]
+
+
+def plans_of(runners: Mapping[int, SequenceRunner]) -> dict[int, Plan]:
+    """Return the plans that robots follow now, by their places in the team."""
+    return {robot: one.plan for robot, one in runners.items() if one.plan is not None}
 
 
 def tasks_of(config: SequenceConfig) -> tuple[SequenceTask, ...]:
@@ -202,6 +252,8 @@ def tasks_of(config: SequenceConfig) -> tuple[SequenceTask, ...]:
             task.tolerance_angle,
             task.dwell,
             task.held,
+            task.frame,
+            task.joints,
         )
         for task in config.tasks
     )

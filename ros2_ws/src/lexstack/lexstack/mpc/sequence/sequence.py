@@ -72,10 +72,16 @@ class Sequence:
         first = min(self.first, len(self.tasks) - 1)
         return self.tasks[first : first + self.architecture.levels]
 
+    @property
+    def windows(self) -> tuple[tuple[SequenceTask, ...], ...]:
+        """What the window will be, from now to the end."""
+        last = max(len(self.tasks), self.first + 1)
+        return tuple(replace(self, first=first).window for first in range(self.first, last))
+
     def errors(self, pose: RobotPose) -> tuple[float, float]:
         """Return distance [m] and angle [rad] from the goal of the first task in the window."""
         task = self.window[0]
-        return pose.errors(task.kind, np.array(task.points[-1]))
+        return pose.errors(task, np.array(task.points[-1]))
 
     def advanced(self, pose: RobotPose) -> Sequence:
         """Return the sequence after time has gone on; at most one task gets done at a time."""
@@ -142,7 +148,14 @@ class Sequence:
     def objectives(self, times: Vector) -> tuple[Objective, ...]:
         """Return the levels of the MPC for the states 1 to N at these times [s], shape (N,)."""
         return tuple(
-            Objective(task.name, task.kind, trajectory.at(times), self._moves(task))
+            Objective(
+                task.name,
+                task.kind,
+                trajectory.at(times),
+                self._moves(task),
+                task.frame,
+                task.joints,
+            )
             for task, trajectory in zip(self.window, self.trajectories, strict=True)
         )
 

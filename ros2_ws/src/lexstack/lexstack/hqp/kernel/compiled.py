@@ -1,0 +1,73 @@
+"""How the kernel is compiled: by numba where it is there, once for each version of its source.
+
+No ``fastmath``: sums keep their order, so runs, processes and processors agree to the bit. With
+``NUMBA_DISABLE_JIT=1`` the same loops run as Python, for coverage and for reading along.
+
+numba's cache knows one file of a function by its stamp, and none of the files that this one calls.
+So what is kept lies in a folder that is named after the contents of all of them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+HERE = Path(__file__).parent
+
+
+def available() -> bool:
+    """Return whether the kernel can be compiled: whether numba is installed."""
+    return find_spec("numba") is not None
+
+
+def compiled(function: Function) -> Function:
+    """Return a function compiled for whatever types it is called with by another compiled one."""
+    import numba  # noqa: PLC0415 - half a second, for those alone who use the kernel
+
+    return cast("Function", numba.njit(error_model="numpy")(function))
+
+
+def entry(signature: str) -> Callable[[Function], Function]:
+    """Return a decorator that compiles what Python calls, or loads it as it was compiled before.
+
+    It takes no other types than those of the signature: nothing is compiled in a tick.
+
+    Args:
+        signature: in numba's words.
+    """
+
+    def decorate(function: Function) -> Function:
+        import numba  # noqa: PLC0415
+
+        config: Any = numba.config
+        before, config.CACHE_DIR = config.CACHE_DIR, str(folder())
+        try:
+            compile_now = numba.njit(signature, error_model="numpy", cache=True)
+            return cast("Function", compile_now(function))
+        finally:
+            config.CACHE_DIR = before
+
+    return decorate
+
+
+@cache
+def folder() -> Path:
+    """Return where this version of the kernel is kept: beside it, else in the user's cache."""
+    contents = b"".join(path.read_bytes() for path in sorted(HERE.glob("*.py")))
+    name = f"kernel-{hashlib.sha256(contents).hexdigest()[:16]}"
+    homes = (
+        HERE / "__pycache__",
+        Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "lexstack",
+    )
+    for home in homes:
+        if os.access(home if home.exists() else home.parent, os.W_OK):
+            return home / name
+    return Path(tempfile.gettempdir()) / f"lexstack-{os.getuid()}" / name

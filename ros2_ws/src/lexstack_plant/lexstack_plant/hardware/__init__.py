@@ -1,0 +1,1 @@
+"""Robots behind topics of their own controllers, without ROS: states in, commands out, guards."""

@@ -1,0 +1,205 @@
+"""The measured pose and velocity of one platform: any odometry frame, any axes of the twist."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import atan2, cos, hypot, pi, remainder, sin
+from typing import NoReturn
+
+import numpy as np
+
+from lexstack.errors import InputError
+from lexstack.options import shown
+from lexstack.types import Vector
+from lexstack_plant.hardware.joint_intake import IntakeCounters
+from lexstack_plant.hardware.sender_clock import SenderClock
+
+_SMOOTHING = 0.02  # s, of velocities that follow from poses
+_PLAUSIBLE = 1.5  # times the velocity limit: what two poses may differ by
+_FLAT = 0.2  # rad: a platform that is tilted by more does not stand on its wheels
+_UNIT = 1e-2  # how far a quaternion's norm may be from 1
+_FARTHEST = 1e5  # m
+_SHORTEST = 1e-5  # s between two samples
+
+
+@dataclass(frozen=True, slots=True)
+class BaseSample:
+    """One message of a platform, as it came.
+
+    Attributes:
+        x: m, in the frame of the odometry.
+        y: m.
+        quaternion: x, y, z, w.
+        twist: along x and y [m/s], about z [rad/s]; or none.
+        stamp: s by the sender's clock; 0: none.
+        received: s by the local clock.
+        frame: in which the pose is.
+    """
+
+    x: float
+    y: float
+    quaternion: Sequence[float]
+    twist: Sequence[float] | None
+    stamp: float
+    received: float
+    frame: str = ""
+
+
+class BaseIntake:
+    """Pose and velocity of a platform in the world; the yaw is unwrapped.
+
+    Attributes:
+        q: x [m], y [m], yaw [rad] in the world, shape (3,); NaN until it is known.
+        v: m/s, m/s, rad/s along the world's axes, shape (3,).
+        time: when it was measured, by the local clock [s]; -inf: never.
+        fault: why the last pose cannot be true; empty: it can. It stays until ``forget``.
+        counters: of messages.
+    """
+
+    def __init__(
+        self,
+        velocity: Vector,
+        tolerance: float,
+        *,
+        origin: Sequence[float] | None = None,
+        frame: str = "",
+        twist_in_base: bool = True,
+    ) -> None:
+        """Make the intake of a platform.
+
+        Args:
+            velocity: limits along x, y, yaw, shape (3,).
+            tolerance: by which a pose may jump beyond what the limits allow [m, rad].
+            origin: x, y, yaw of the odometry's frame in the world; None: ``place`` says it.
+            frame: that messages must name; empty: any.
+            twist_in_base: whether twists are along the axes of the base.
+        """
+        self.q: Vector = np.full(3, np.nan)
+        self.v: Vector = np.zeros(3)
+        self.time = -np.inf
+        self.fault = ""
+        self.counters = IntakeCounters()
+        self.placed = origin is not None
+        self._origin: Vector = np.zeros(3) if origin is None else np.array(origin, dtype=float)
+        self._velocity = velocity
+        self._tolerance = tolerance
+        self._frame = frame
+        self._twist_in_base = twist_in_base
+        self._clock = SenderClock()
+        self._stamp = -np.inf
+
+    def hear(self, sample: BaseSample) -> None:
+        """Take a message; raises InputError for one that is no pose of a platform."""
+        yaw = self._checked(sample)
+        time = self._time(sample)
+        if time is None:
+            return
+        self.counters.taken += 1
+        first = not np.isfinite(self.q[0])
+        pose = composed(self._origin, (sample.x, sample.y, yaw))
+        if not first:
+            # Of all angles that are this one, the nearest to where it was: it is never modulo 2 pi.
+            pose[2] = self.q[2] + remainder(pose[2] - self.q[2], 2.0 * pi)
+        elapsed = max(time - self.time, _SHORTEST)
+        moved = np.zeros(3) if first else pose - self.q
+        self._check(moved, elapsed)
+        if sample.twist is None:
+            share = 0.0 if first else elapsed / (elapsed + _SMOOTHING)
+            self.v += share * (moved / elapsed - self.v)
+        else:
+            turn = pose[2] if self._twist_in_base else self._origin[2]
+            self.v = turned(np.array(sample.twist, dtype=np.float64), turn)
+        self.q, self.time = pose, time
+
+    def place(self, world: Sequence[float]) -> None:
+        """Say that the platform is at x, y, yaw of the world now, unless its frame was placed."""
+        if self.placed:
+            return
+        # origin = world * measured^-1, so that origin * measured is the world's pose.
+        measured = composed(inverse(self._origin), self.q)
+        self._origin = composed(world, inverse(measured))
+        self.q = composed(self._origin, measured)
+        self.v = turned(self.v, float(self.q[2]) - float(measured[2]))
+        self.placed = True
+
+    def at(self, now: float, most: float) -> Vector:
+        """Return where the platform is now, shape (3,): it went on for ``most`` [s] at most."""
+        return self.q + self.v * min(max(now - self.time, 0.0), most)
+
+    def age(self, now: float) -> float:
+        """Return how old the pose is [s]; inf: it is not known."""
+        return float(now - self.time)
+
+    def forget(self) -> None:
+        """Take the next poses as the truth, whatever was before."""
+        self.fault = ""
+
+    def _checked(self, sample: BaseSample) -> float:
+        """Return the yaw of a message; raises InputError where it is no pose of a platform."""
+        numbers = [sample.x, sample.y, *sample.quaternion, *(sample.twist or ())]
+        if not np.isfinite(numbers).all():
+            self._refuse(f"not a number in {numbers}")
+        if max(abs(sample.x), abs(sample.y)) > _FARTHEST:
+            self._refuse(f"at {sample.x:g}, {sample.y:g} m")
+        if self._frame and sample.frame.lstrip("/") != self._frame.lstrip("/"):
+            self._refuse(f"frame {shown(sample.frame)}, expected {shown(self._frame)}")
+        x, y, z, w = sample.quaternion
+        norm = hypot(x, y, z, w)
+        if abs(norm - 1.0) > _UNIT:
+            self._refuse(f"orientation: norm {norm:.4f}, must be 1")
+        tilt = 2.0 * atan2(hypot(x, y), hypot(z, w))
+        if tilt > _FLAT:
+            self._refuse(f"tilted by {tilt:.2f} rad")
+        return 2.0 * atan2(z, w)
+
+    def _refuse(self, what: str) -> NoReturn:
+        """Count a message that is no pose, and raise InputError."""
+        self.counters.refused += 1
+        raise InputError(f"odometry: {what}")
+
+    def _time(self, sample: BaseSample) -> float | None:
+        """Return when a pose was measured, or None if it is not newer than what is known."""
+        if not sample.stamp:
+            return sample.received
+        if sample.stamp <= self._stamp:
+            repeated = sample.stamp == self._stamp
+            self.counters.repeated += repeated
+            self.counters.late += not repeated
+            return None
+        self._stamp = sample.stamp
+        return self._clock.local(sample.stamp, sample.received)
+
+    def _check(self, moved: Vector, elapsed: float) -> None:
+        """Set ``fault`` if the platform moved by more than its limits allow."""
+        most = _PLAUSIBLE * float(self._velocity[:2].max()) * elapsed + self._tolerance
+        far = hypot(moved[0], moved[1])
+        if far > most:
+            self.fault = f"the base jumped by {far:.3g} m in {1e3 * elapsed:.1f} ms"
+        turn = abs(float(moved[2]))
+        if turn > _PLAUSIBLE * self._velocity[2] * elapsed + self._tolerance:
+            self.fault = f"the base turned by {turn:.3g} rad in {1e3 * elapsed:.1f} ms"
+
+
+def composed(first: Sequence[float] | Vector, second: Sequence[float] | Vector) -> Vector:
+    """Return the planar pose of a frame that is at ``second`` in a frame at ``first``, (3,)."""
+    c, s = cos(first[2]), sin(first[2])
+    return np.array(
+        [
+            first[0] + c * second[0] - s * second[1],
+            first[1] + s * second[0] + c * second[1],
+            first[2] + second[2],
+        ]
+    )
+
+
+def inverse(pose: Sequence[float] | Vector) -> Vector:
+    """Return the planar pose of the outer frame in the one at ``pose``, shape (3,)."""
+    c, s = cos(pose[2]), sin(pose[2])
+    return np.array([-c * pose[0] - s * pose[1], s * pose[0] - c * pose[1], -pose[2]])
+
+
+def turned(twist: Vector, angle: float) -> Vector:
+    """Return a planar twist (3,) along axes that are turned by ``-angle`` [rad]."""
+    c, s = cos(angle), sin(angle)
+    return np.array([c * twist[0] - s * twist[1], s * twist[0] + c * twist[1], twist[2]])

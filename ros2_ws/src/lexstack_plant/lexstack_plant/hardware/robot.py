@@ -1,0 +1,155 @@
+"""One robot behind its topics: what is measured of it, and what it is sent."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lexstack.limits import JointLimits
+from lexstack.limits.joint_limits import LIMITS
+from lexstack.robots import RobotModel
+from lexstack.types import Vector
+from lexstack_config.plant_file import RobotInterfaceConfig, SafetyConfig
+from lexstack_plant.hardware.base_intake import BaseIntake
+from lexstack_plant.hardware.effort import EffortLoop
+from lexstack_plant.hardware.joint_intake import JointIntake
+from lexstack_plant.hardware.outputs import ArmOutput, RobotCommand, holonomic_twist
+
+
+class HardwareRobot:
+    """The intakes and the output of one robot.
+
+    Attributes:
+        name: of the robot.
+        joints: what is measured of its arm.
+        base: what is measured of its platform; None: it has none.
+        output: what its arm is sent.
+        effort: what makes the torques of an arm that takes them.
+        names: of the arm's joints in messages, in the order of chi.
+        listens: whether somebody hears its commands; set by whoever sends them.
+        platform: the platform's joints in the robot's part of chi.
+        pressed: whether its emergency stop is pressed.
+    """
+
+    def __init__(
+        self,
+        robot: RobotModel,
+        config: RobotInterfaceConfig,
+        safety: SafetyConfig,
+        dt: float,
+        hold: int,
+    ) -> None:
+        """Make the robot; ``hold`` [ticks] is how long a trajectory goes on alone."""
+        self.name = robot.name
+        self.config = config
+        self._model = robot
+        self.platform = robot.base
+        self._dt = dt
+        self._safety = safety
+        names = config.joint_states.names
+        self.names = tuple(names.get(joint, joint) for joint in robot.joints[robot.arm])
+        velocity = robot.limits.velocity
+        self.joints = JointIntake(
+            self.names,
+            velocity[robot.arm],
+            safety.position,
+            stamps=config.joint_states.stamps,
+        )
+        self.base: BaseIntake | None = None
+        if config.base is not None:
+            self.base = BaseIntake(
+                velocity[robot.base],
+                safety.position,
+                origin=config.base.origin,
+                frame=config.base.frame,
+                twist_in_base=config.base.twist_axes == "base",
+            )
+        self.output = ArmOutput(config.arm, _part(robot.limits, robot.arm), dt, hold)
+        self.effort: EffortLoop | None = None
+        if config.arm.type == "effort":
+            self.effort = EffortLoop(robot, holds_weight=config.arm.gravity)
+        self.listens = True
+        self.pressed = False
+
+    def measured(self, now: float) -> tuple[Vector, Vector]:
+        """Return q and v now, shape (n,) each; NaN where nothing is known."""
+        most = self._safety.stale
+        arm = self.joints.at(now, most)
+        if self.base is None:
+            return arm, self.joints.v
+        return (
+            np.concatenate([self.base.at(now, most), arm]),
+            np.concatenate([self.base.v, self.joints.v]),
+        )
+
+    def stale(self, now: float) -> str:
+        """Return what of the robot is not known or too old, or ''."""
+        most = self._safety.stale
+        missing = self.joints.missing()
+        if missing:
+            return (
+                f"{self.name}: no state of {', '.join(missing)} on {self.config.joint_states.topic}"
+            )
+        age = self.joints.age(now)
+        if age > most:
+            return f"{self.name}: joint states are {1e3 * age:.0f} ms old, at most {1e3 * most:.0f}"
+        if self.base is None:
+            return ""
+        age = self.base.age(now)
+        if age == np.inf:
+            return f"{self.name}: no pose of its base"
+        return (
+            f"{self.name}: the base's pose is {1e3 * age:.0f} ms old, at most {1e3 * most:.0f}"
+            if age > most
+            else ""
+        )
+
+    def wrong(self, now: float) -> str:
+        """Return why the robot may not move, as far as one looks at it alone, or ''."""
+        if self.pressed:
+            return f"{self.name}: the emergency stop is pressed"
+        if not self.listens:
+            return f"{self.name}: nobody listens to {self.config.arm.command}"
+        faults = [self.joints.fault, self.base.fault if self.base is not None else ""]
+        fault = next((each for each in faults if each), "")
+        return f"{self.name}: {fault}" if fault else self.stale(now)
+
+    def in_flight(self, chi: Vector) -> Vector:
+        """Return how far commands that were sent will still move the robot, shape (n,).
+
+        Args:
+            chi: in force, shape (n,): a platform, and an arm that is led by velocities, has it
+                before it for one period.
+        """
+        result = self._dt * chi
+        result[self._model.arm] = self.output.in_flight(chi[self._model.arm])
+        return result
+
+    def forget(self) -> None:
+        """Take what is measured next as the truth, whatever was before."""
+        self.joints.forget()
+        if self.base is not None:
+            self.base.forget()
+
+    def begin(self, q: Vector, v: Vector) -> None:
+        """Begin to be commanded at a state, shape (n,) each."""
+        self.output.begin(q[self._model.arm], v[self._model.arm])
+        if self.effort is not None:
+            self.effort.begin(q)
+
+    def push(self, chi: Vector) -> None:
+        """Take the command of a tick, shape (n,), whether it is sent or not."""
+        self.output.push(chi[self._model.arm])
+
+    def command(self, chi: Vector, q: Vector, due: float) -> RobotCommand:
+        """Return what is to be sent; chi and the configuration q have shape (n,)."""
+        twist = None
+        if self.base is not None:
+            base = self._model.base
+            twist = holonomic_twist(chi[base], float(q[base][2]), self._dt)
+        arm = chi[self._model.arm]
+        return RobotCommand(due, self.output.points(), self.output.values(arm), twist)
+
+
+def _part(limits: JointLimits, joints: slice) -> JointLimits:
+    """Return the limits of some joints."""
+    return JointLimits(**{name: getattr(limits, name)[joints] for name in LIMITS})

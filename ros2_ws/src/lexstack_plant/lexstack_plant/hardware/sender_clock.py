@@ -1,0 +1,32 @@
+"""From the stamps of a sender to this process's clock, whatever the delay of each message."""
+
+from __future__ import annotations
+
+from collections import deque
+
+_WINDOW = 5.0  # s, over which the least delay is looked for: clocks drift by less than 0.1 ms in it
+
+
+class SenderClock:
+    """Maps stamps to local time by the least delay of the last messages.
+
+    A message arrives after it was sent: local - stamp is the offset of the two clocks plus a delay
+    that is never negative. Its least value over some seconds is the offset and the fastest
+    transport, so a late message has its true age, and jitter of the transport has no effect.
+    """
+
+    def __init__(self) -> None:
+        """Begin without messages."""
+        # Differences in increasing order, with the times at which they came: the first is the
+        # least one of the window, the others those that will be the least once it is over.
+        self._least: deque[tuple[float, float]] = deque()
+
+    def local(self, stamp: float, received: float) -> float:
+        """Return when a message was stamped [s], by the local clock; at most ``received``."""
+        difference = received - stamp
+        while self._least and self._least[-1][1] >= difference:
+            self._least.pop()
+        self._least.append((received, difference))
+        while self._least[0][0] < received - _WINDOW:
+            self._least.popleft()
+        return stamp + self._least[0][1]

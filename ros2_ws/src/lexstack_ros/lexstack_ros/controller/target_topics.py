@@ -1,0 +1,173 @@
+"""Targets by topic: every message is checked, and what fits goes to the schedule."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from nav_msgs.msg import Path
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
+
+from lexstack.errors import InputError
+from lexstack.references import TOOL, ReferenceSchedule, Target
+from lexstack.robots import Team
+from lexstack.tasks import StackConfig
+from lexstack.types import RobotState
+from lexstack_config.reference_topics import ReferenceTopicsConfig
+from lexstack_ros.intake.frames import Frames, listen
+from lexstack_ros.intake.transforms import EarlyError
+from lexstack_ros.messages.conversions import to_base_target, to_ee_target
+from lexstack_ros.messages.names import relative
+from lexstack_ros.messages.qos import STREAM
+from lexstack_ros.messages.target_points import Reading
+from lexstack_ros.messages.targets import to_path, to_posture, to_twist, to_way
+
+Read = Callable[[Any, Reading], Iterable[Target]]
+
+_WAIT = 0.1  # s, that a target waits for the state of its stamp: it may overtake that
+_MOST_WAITING = 1000
+
+
+def _pose(message: PoseStamped, reading: Reading) -> Iterator[Target]:
+    """Yield the target of a frame."""
+    target = to_ee_target(message, reading.robot, reading.where, reading.placing, reading.frame)
+    yield replace(target, begin=reading.begin(reading.frame))
+
+
+def _base(message: PoseStamped, reading: Reading) -> Iterator[Target]:
+    """Yield the target of a base."""
+    yield to_base_target(message, reading.robot, reading.where, reading.placing)
+
+
+OF_FRAMES: dict[str, tuple[type, Read]] = {
+    "ee_target": (PoseStamped, _pose),
+    "ee_twist": (TwistStamped, to_twist),
+    "ee_trajectory": (MultiDOFJointTrajectory, to_way),
+}
+"""Topics of a robot's tool, below its name, and of its other frames, below NAME/FRAME."""
+
+OF_ROBOTS: dict[str, tuple[type, Read]] = {
+    "base_target": (PoseStamped, _base),
+    "base_path": (Path, to_path),
+    "posture_trajectory": (JointTrajectory, to_posture),
+}
+"""Further topics of a robot, below its name."""
+
+
+class TargetTopics:
+    """Subscriptions to all topics of targets, of every robot and of the frames that stacks name.
+
+    Attributes:
+        schedule: takes every valid target.
+        refused: how many messages were not valid.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        team: Team,
+        schedule: ReferenceSchedule,
+        options: ReferenceTopicsConfig,
+        stacks: Iterable[StackConfig] = (),
+    ) -> None:
+        """Put every valid target into ``schedule``; warn of the others."""
+        self._node = node
+        self._team = team
+        self._options = options
+        self.schedule = schedule
+        self.refused = 0
+        self._rejection = ""  # the last one since the last report
+        self._frames = Frames(team)
+        self._early: list[Callable[[], None]] = []
+        self._known: set[str] = set()
+        listen(node, self._frames.transforms)
+        for robot, name in enumerate(team.names):
+            for kind, entry in (OF_FRAMES | OF_ROBOTS).items():
+                self._subscribe(f"/{name}/{kind}", entry, robot, TOOL)
+        for stack in stacks:
+            self.add_frames(stack)
+
+    def add_frames(self, stack: StackConfig) -> None:
+        """Subscribe to the topics of the frames that a stack names."""
+        for robot, frame in frames_of(stack, self._team):
+            for kind, entry in OF_FRAMES.items():
+                topic = f"/{self._team.names[robot]}/{topic_name(frame)}/{kind}"
+                self._subscribe(topic, entry, robot, frame)
+
+    def see(self, state: RobotState) -> None:
+        """Take note of a state of the plant: frames move with it, and targets may wait for it."""
+        self._frames.see(state)
+        if self._early:
+            early, self._early = self._early, []
+            for take in early:
+                take()
+
+    def report(self) -> str:
+        """Return the last refusal since the last report, or ''."""
+        rejection, self._rejection = self._rejection, ""
+        return rejection
+
+    def _subscribe(self, topic: str, entry: tuple[type, Read], robot: int, frame: str) -> None:
+        """Listen to one topic, once."""
+        if topic in self._known:
+            return
+        self._known.add(topic)
+        kind, read = entry
+        take = partial(self._take, read, robot, frame, topic)
+        self._node.create_subscription(kind, relative(topic), take, STREAM)
+
+    def _take(self, read: Read, robot: int, frame: str, topic: str, message: Any) -> None:
+        """Take one message; a stamp of the past means now."""
+        reading = Reading(
+            self._team,
+            robot,
+            frame,
+            topic,
+            self._frames,
+            self.schedule.next,
+            self._options,
+            self._frames.state,
+        )
+        try:
+            for target in list(read(message, reading)):
+                self.schedule.add(target)
+        except EarlyError as error:
+            if error.ahead <= _WAIT and len(self._early) < _MOST_WAITING:
+                self._early.append(partial(self._take, read, robot, frame, topic, message))
+            else:
+                self._refuse(error, topic)
+        except InputError as error:
+            self._refuse(error, topic)
+
+    def _refuse(self, error: InputError, topic: str) -> None:
+        """Count and tell of a message that does not fit; no flood of lines."""
+        self.refused += 1
+        text = str(error)
+        if not text.startswith(topic):
+            text = f"{topic}: {re.sub('^[a-z]+_target( of [^:]*)?: ', '', text)}"
+        self._rejection = f"refused: {text}"
+        self._node.get_logger().warning(self._rejection, throttle_duration_sec=1.0)
+
+
+def frames_of(stack: StackConfig, team: Team) -> Iterator[tuple[int, str]]:
+    """Yield the frames that a stack's tasks name, other than the tools, with their robots."""
+    for level in stack.levels:
+        for task in level.tasks:
+            frame = task.parameters.get("frame")
+            if not isinstance(frame, str) or frame == TOOL:
+                continue
+            names = [task.robot] if task.robot else (stack.robots or team.names)
+            for name in names:
+                if name in team.names:
+                    yield team.names.index(name), frame
+
+
+def topic_name(frame: str) -> str:
+    """Return a frame's name as it may stand in a topic: letters, digits and underscores."""
+    name = re.sub(r"\W", "_", frame, flags=re.ASCII)
+    return name if not name[:1].isdigit() else f"_{name}"

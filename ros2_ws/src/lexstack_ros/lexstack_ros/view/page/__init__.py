@@ -1,0 +1,1 @@
+"""The page itself, on viser: knows pictures and orders, no ROS."""

@@ -1,0 +1,1 @@
+"""Robots in MuJoCo behind the topics of their controllers, with the habits of hardware."""

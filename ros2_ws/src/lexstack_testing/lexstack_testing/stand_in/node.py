@@ -1,0 +1,210 @@
+"""``stand_in``: robots in MuJoCo behind the topics of ros2_control's controllers, as a node."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from time import time
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry
+from rclpy.clock import Clock as SteadyClock
+from rclpy.clock import ClockType
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64MultiArray
+from std_srvs.srv import SetBool
+from trajectory_msgs.msg import JointTrajectory
+
+from lexstack.errors import InputError
+from lexstack_config.plant_file import check_plant, load_plant
+from lexstack_plant.hardware.base_intake import BaseSample
+from lexstack_plant.hardware.joint_intake import JointSample
+from lexstack_plant.hardware.messages import seconds_of
+from lexstack_plant.hardware.spline import Point
+from lexstack_ros.intake.delays import with_info
+from lexstack_ros.intake.drain import waiting
+from lexstack_ros.messages.conversions import to_time
+from lexstack_ros.node.diagnostics import Diagnostics, Health
+from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
+from lexstack_ros.node.parameters import scenario_parameter, text_parameter
+from lexstack_ros.node.readiness import READY
+from lexstack_ros.node.spin import run_node
+from lexstack_testing.stand_in.habits import parse_habits
+from lexstack_testing.stand_in.robots import Sent, StandIn
+
+_LOOK = 0.004  # s between two looks at the clock: every state that is due goes out then
+_SLICE = 0.002  # s from one /clock to the next
+_STATES = QoSProfile(depth=10)
+_COMMANDS = QoSProfile(depth=100)  # more than come while this process has no time
+Take = Callable[[Any, float], None]
+"""Takes a command that was sent at a time [s since 1970]."""
+
+
+class StandInNode(Node):
+    """Moves the robots with the wall's clock, and passes messages on."""
+
+    def __init__(self, options: NodeOptions = FROM_COMMAND_LINE) -> None:
+        """Put the robots where the scenario starts; raises LexstackError for a wrong parameter."""
+        super().__init__(**options.arguments("stand_in"))
+        resolved = scenario_parameter(self)
+        path = Path(text_parameter(self, "plant", "file of the plant"))
+        habits = text_parameter(self, "habits", "all, or NAME=VALUE,...", "")
+        self._file = load_plant(path)
+        check_plant(self._file, resolved, str(path))
+        chosen, simulated = parse_habits(habits), self._file.use_sim_time
+        self._clock_out = self.create_publisher(Clock, "/clock", _STATES) if simulated else None
+        now = 1.0 if simulated else time()
+        self.robots = StandIn(resolved, self._file, chosen, now, resolved.scenario.seed)
+        self._told: dict[str, str] = {}
+        self._commands: list[tuple[Subscription, Take]] = []
+        self._joints_out: dict[str, Publisher] = {}
+        self._odometry_out: dict[str, Publisher] = {}
+        for name in resolved.scenario.robots:
+            self._connect(name)
+        stop = self._file.safety.stop
+        self._stop_out = None if stop is None else self.create_publisher(Bool, stop, _STATES)
+        look = _SLICE / chosen.speed if simulated else _LOOK
+        self.create_timer(look, self._on_timer, clock=SteadyClock(clock_type=ClockType.STEADY_TIME))
+        Diagnostics(self, self._health)
+        print(READY, flush=True)
+
+    def _connect(self, name: str) -> None:
+        """Make the topics and services of one robot."""
+        config = self._file.robots[name]
+        topic = config.joint_states.topic
+        if topic not in self._joints_out:
+            self._joints_out[topic] = self.create_publisher(JointState, topic, _STATES)
+        kind, take = Float64MultiArray, self._on_values
+        if config.arm.type == "joint_trajectory":
+            kind, take = JointTrajectory, self._on_trajectory
+        self._hear(kind, config.arm.command, partial(take, name))
+        self.create_service(SetBool, f"/{name}/stand_in/stop", partial(self._on_stop, name))
+        if config.base is None:
+            return
+        if config.base.odometry is not None:
+            self._odometry_out[name] = self.create_publisher(
+                Odometry, config.base.odometry, _STATES
+            )
+        twist = TwistStamped if config.base.type == "twist_stamped" else Twist
+        self._hear(twist, config.base.command, partial(self._on_twist, name))
+
+    def _hear(self, kind: type, topic: str, take: Take) -> None:
+        """Hear commands; each counts from when it was sent, however busy this process is."""
+
+        def hear(message: Any, info: dict[str, int]) -> None:
+            take(message, self._sent(info))
+
+        subscription = self.create_subscription(kind, topic, with_info(hear), _COMMANDS)
+        self._commands.append((subscription, take))
+
+    def _sent(self, info: dict[str, int]) -> float:
+        """Return when a message was sent, by the robots' clock [s]."""
+        return self.robots.time if self._clock_out else 1e-9 * info["source_timestamp"]
+
+    def _on_trajectory(self, name: str, message: JointTrajectory, now: float) -> None:
+        """Take a trajectory; one without a stamp begins when it was sent."""
+        start = seconds_of(message.header.stamp) or now
+        joints = list(self.robots.robots[name].model.joints[self.robots.robots[name].model.arm])
+        order = [list(message.joint_names).index(joint) for joint in joints]
+        points = [
+            Point(
+                start + seconds_of(point.time_from_start),
+                np.array(point.positions)[order],
+                np.array(point.velocities)[order],
+                np.array(point.accelerations)[order],
+            )
+            for point in message.points
+        ]
+        self.robots.command_arm(name, points, now)
+
+    def _on_values(self, name: str, message: Float64MultiArray, now: float) -> None:
+        """Take positions or velocities."""
+        self.robots.command_arm(name, np.array(message.data), now)
+
+    def _on_twist(self, name: str, message: Any, now: float) -> None:
+        """Take the velocity of a platform."""
+        twist = message.twist if isinstance(message, TwistStamped) else message
+        values = np.array([twist.linear.x, twist.linear.y, twist.angular.z])
+        self.robots.command_base(name, values, now)
+
+    def _on_stop(
+        self, name: str, request: SetBool.Request, response: SetBool.Response
+    ) -> SetBool.Response:
+        """Press a robot's emergency stop, or release it."""
+        (self.robots.press if request.data else self.robots.release)(name)
+        if self._stop_out is not None:
+            self._stop_out.publish(Bool(data=request.data))
+        response.success = True
+        return response
+
+    def _on_timer(self) -> None:
+        """Move the robots up to now, and send what they measure."""
+        # What was sent before now counts before now, though the executor has not handed it over.
+        now = time()
+        for subscription, take in self._commands:
+            for message, info in waiting(subscription):
+                take(message, self._sent(info))
+        if self._clock_out is not None:
+            now = self.robots.time + _SLICE
+            self._clock_out.publish(Clock(clock=to_time(now)))
+        for sent in self.robots.advance(now):
+            self._publish(sent)
+        stopped = self.robots.stopped()
+        for name, reason in stopped.items():
+            if self._told.get(name) != reason:
+                self.get_logger().error(f"{name}: {reason}")
+        self._told = stopped
+
+    def _publish(self, sent: Sent) -> None:
+        """Send one message."""
+        sample = sent.sample
+        stamp = to_time(sample.stamp)
+        config = self._file.robots[sent.robot]
+        if isinstance(sample, JointSample):
+            message = JointState(
+                name=list(sample.names),
+                position=list(sample.positions),
+                velocity=list(sample.velocities),
+            )
+            message.header.stamp = stamp
+            self._joints_out[config.joint_states.topic].publish(message)
+        elif sent.robot in self._odometry_out:
+            self._odometry_out[sent.robot].publish(_odometry(sample, stamp))
+
+    def _health(self) -> Health:
+        """Return how the robots are."""
+        told = "; ".join(f"{name}: {reason}" for name, reason in self._told.items())
+        behind = 0.0 if self._clock_out else time() - self.robots.time
+        return Health(told, {"behind the clock [ms]": f"{1e3 * behind:.1f}"})
+
+
+def _odometry(sample: BaseSample, stamp: Any) -> Odometry:
+    """Return a message of odometry."""
+    message = Odometry(child_frame_id="base_link")
+    message.header.stamp, message.header.frame_id = stamp, sample.frame
+    pose, twist = message.pose.pose, message.twist.twist
+    pose.position.x, pose.position.y = sample.x, sample.y
+    turn = pose.orientation
+    turn.x, turn.y, turn.z, turn.w = map(float, sample.quaternion)
+    if sample.twist is None:
+        raise InputError("odometry without a twist")
+    twist.linear.x, twist.linear.y, twist.angular.z = map(float, sample.twist)
+    return message
+
+
+def main() -> int:
+    """Run the stand-in; returns the exit code."""
+    return run_node(StandInNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
