@@ -38,7 +38,7 @@ def robot_urdf(robot: RobotModel) -> str:
             each
             for element in source
             if element.tag in ("link", "joint")
-            for each in _plain(element)
+            for each in _plain(element, robot, own | set(renamed.values()))
         )
         for name, frame in {"tool": robot.config.tool, **robot.config.tools}.items():
             ET.SubElement(root, "link", name=name)
@@ -96,26 +96,50 @@ def _mounting(robot: RobotModel, first: str) -> tuple[Iterable[float], Iterable[
     return place.translation, pin.rpy.matrixToRpy(place.rotation)
 
 
-def _plain(element: ET.Element) -> list[ET.Element]:
-    """Return an element of a URDF, a planar joint as three joints with links between them."""
-    if element.tag != "joint" or element.get("type") != "planar":
-        return [element]
+def _plain(element: ET.Element, robot: RobotModel, taken: set[str]) -> list[ET.Element]:
+    """Return an element of a URDF, a planar joint as three joints with links between them.
+
+    Args:
+        element: a link or joint.
+        robot: whose limits of velocity and torque they have.
+        taken: names of links that there are.
+    """
     name, parent, child = element.get("name", ""), element.find("parent"), element.find("child")
-    if parent is None or child is None:
+    planar = element.tag == "joint" and element.get("type") == "planar"
+    if not planar or parent is None or child is None:
         return [element]
-    links = (*(parent.get("link", ""), f"{name}_x_link", f"{name}_y_link", child.get("link", "")),)
-    found: list[ET.Element] = [ET.Element("link", name=link) for link in links[1:-1]]
+    between = [_free(f"{name}_{axis}_link", taken) for axis in ("x", "y")]
+    links = (parent.get("link", ""), *between, child.get("link", ""))
+    found: list[ET.Element] = [ET.Element("link", name=link) for link in between]
     for i, (axis, kind, direction) in enumerate(_PLANAR):
         joint = ET.Element("joint", name=f"{name}_{axis}", type=kind)
         ET.SubElement(joint, "parent", link=links[i])
         ET.SubElement(joint, "child", link=links[i + 1])
         ET.SubElement(joint, "axis", xyz=direction)
-        ET.SubElement(joint, "limit", effort="1e3", velocity="1e3", lower="-1e3", upper="1e3")
+        ET.SubElement(joint, "limit", _limit(robot, f"{name}_{axis}", slides=kind == "prismatic"))
         origin = element.find("origin")
         if origin is not None and i == 0:
             joint.append(origin)
         found.append(joint)
     return found
+
+
+def _free(name: str, taken: set[str]) -> str:
+    """Return a name that no link has, and take it."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
+def _limit(robot: RobotModel, joint: str, *, slides: bool) -> dict[str, str]:
+    """Return the limits of one of the joints that make a planar one; it ends nowhere near."""
+    ends = {"lower": "-1000", "upper": "1000"} if slides else {}
+    if joint not in robot.joints:  # held where it is
+        return {"effort": "0", "velocity": "0", **ends}
+    arm = robot.config.arm
+    place = arm.joints.index(joint)
+    return {"effort": str(arm.torque[place]), "velocity": str(arm.velocity[place]), **ends}
 
 
 def _add_platform(root: ET.Element, base: AnyBase) -> None:

@@ -155,11 +155,20 @@ WRONG = {
         ("levels", 0, "tasks", 0, "parameters"),
         {"gain": 0},
     ),
-    "no other robot": ("stacks/carry", ("levels", 0, "tasks", 0, "parameters", "other"), ...),
+    "no point to look at": (
+        "stacks/carry",
+        ("levels", 0, "tasks", 0),
+        {"type": "look_at", "robot": "robot_a", "parameters": {"gain": 1.0}},
+    ),
     "no parameters where one is needed": (
         "stacks/carry",
-        ("levels", 0, "tasks", 0, "parameters"),
-        ...,
+        ("levels", 0, "tasks", 0),
+        {"type": "look_at", "robot": "robot_a"},
+    ),
+    "a pose of another frame that is none": (
+        "stacks/carry",
+        ("levels", 0, "tasks", 0, "parameters", "pose"),
+        {"xyz": [0.0, 0.0]},
     ),
     "both names of a key": ("htmpc/lexstack", ("enough",), 0.03),
     "neither name of a key": ("htmpc/lexstack", ("early_stop_ratio",), ...),

@@ -75,6 +75,16 @@ def test_obstacle(tmp_path):
     assert (tmp_path / "obstacle-clearance.png").stat().st_size < 150_000
 
 
+def test_peers(tmp_path):
+    content = results_of(experiment.main, "peers", tmp_path)
+    assert not any(value for name, value in figures(content).items() if name.startswith("ticks"))
+    rows = [row for row in content["tables"][0]["rows"] if row["law"] == "lexstack, by joints"]
+    assert [row["robot"] for row in rows] == ["panda", "panda", "ur10", "ur10", "xarm7", "xarm7"]
+    assert all(row["reached %"] == 100.0 and row["median s"] < 3.0 for row in rows)
+    assert all(row["most x"] <= 1.0 + 1e-6 for row in rows if row["limits"] == "acceleration")
+    assert (tmp_path / "peers.png").stat().st_size < 150_000
+
+
 def test_transition_methods(tmp_path, few_methods):
     content = results_of(experiment.main, "transition-methods", tmp_path)
     rows = {row["method"]: row for row in content["tables"][0]["rows"]}

@@ -28,6 +28,7 @@ setup(
         "lexstack-sim",
         "lexstack-testing",
         "matplotlib",
+        "mujoco>=4.0",
         "numpy>=2",
         "pillow",
         "pin>=4.1",
@@ -39,7 +40,7 @@ setup(
     ],
     extras_require={
         "gurobi": ["gurobipy"],  # the solver of the authors of H; it needs a licence
-        "peers": ["pin-pink>=4", "piqp>=0.6"],  # measured beside our solver
+        "peers": ["mink>=1.3", "pin-pink>=4", "piqp>=0.6"],  # measured beside our solver
         "test": ["pytest"],  # by which colcon test finds test/
     },
     entry_points={

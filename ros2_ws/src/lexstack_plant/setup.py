@@ -27,6 +27,7 @@ setup(
     ],
     entry_points={
         "console_scripts": [
+            "plant_adapter = lexstack_plant.adapters.ros2_control:main",
             "sim_bridge = lexstack_plant.adapters.mujoco:main",
         ],
     },

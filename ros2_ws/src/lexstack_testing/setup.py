@@ -24,6 +24,7 @@ setup(
         "lexstack-plant",
         "lexstack-config",
         "lexstack-ros",
+        "lexstack-sim",
         "mcap>=1.2",
         "numpy>=2",
     ],

@@ -18,6 +18,7 @@ from lexstack_bag.run.reader import read_run
 from lexstack_bag.run.run import PlanStream, PlanTopics, ProgressStream
 from lexstack_bringup.commands import replay
 from lexstack_ros.view.page.bag import BagPage
+from lexstack_ros.view.page.server import HOST
 from lexstack_ros.view.recorded import Recorded
 from support.browser import Browser
 from support.hostile import shown
@@ -156,7 +157,7 @@ def test_the_command_serves_until_ctrl_c(synthetic):
     )
     try:
         line = next(line for line in process.stdout if "watch it at" in line)
-        assert "http://127.0.0.1:" in line
+        assert f"http://{HOST}:" in line
         time.sleep(1.0)
         process.send_signal(signal.SIGINT)
         assert process.wait(20) == 0

@@ -9,7 +9,7 @@ from lexstack.errors import ConfigurationError
 from lexstack_bringup.commands.demo import resolve_scenario
 from lexstack_config.parts import Parts
 from lexstack_config.resolved import load_scenario
-from support.scenario import CONFIG, ROOT
+from support.scenario import CONFIG
 
 ROBOT = """
 name: my_arm
@@ -57,7 +57,7 @@ def options(scenario, *config):
 
 
 def test_what_lies_beside_a_scenario_is_found_before_lexstack_s_own(own):
-    resolved = resolve_scenario(ROOT, options(own / "own.yaml"))
+    resolved = resolve_scenario(CONFIG, options(own / "own.yaml"))
     assert resolved.robots["my_arm"].arm.joints == ("j0", "j1")
     assert "mine" in resolved.stacks
     assert "track" in resolved.stacks, "lexstack's own are there too"
@@ -74,20 +74,20 @@ def test_folders_of_the_command_line_come_first(own, tmp_path_factory):
     (other / "robots" / "my_arm.yaml").write_text(text)
     (other / "scenarios").mkdir()
     (other / "scenarios" / "elsewhere.yaml").write_text(SCENARIO)
-    resolved = resolve_scenario(ROOT, options(own / "own.yaml", other))
+    resolved = resolve_scenario(CONFIG, options(own / "own.yaml", other))
     assert resolved.robots["my_arm"].arm.acceleration == (3.0, 3.0)
-    both = resolve_scenario(ROOT, options("elsewhere", other, own))
+    both = resolve_scenario(CONFIG, options("elsewhere", other, own))
     assert both.robots["my_arm"].arm.acceleration == (3.0, 3.0)
     assert "mine" in both.stacks
     with pytest.raises(ConfigurationError, match="--config: there is no folder"):
-        resolve_scenario(ROOT, options("elsewhere", other / "none"))
+        resolve_scenario(CONFIG, options("elsewhere", other / "none"))
 
 
 def test_the_scenario_of_a_run_s_folder_can_be_run_again(own, tmp_path_factory):
-    resolved = resolve_scenario(ROOT, options(own / "own.yaml"))
+    resolved = resolve_scenario(CONFIG, options(own / "own.yaml"))
     run = tmp_path_factory.mktemp("run") / "scenario.yaml"
     run.write_text(resolved.to_yaml())
-    again = resolve_scenario(ROOT, options(run))
+    again = resolve_scenario(CONFIG, options(run))
     assert again.scenario == resolved.scenario
     assert again.robots == resolved.robots
     assert again.stacks == resolved.stacks
@@ -112,7 +112,7 @@ def test_a_base_that_is_not_there_is_refused_in_one_line(own, changes, text):
     path = own / "own.yaml"
     path.write_text(yaml.safe_dump({**yaml.safe_load(path.read_text()), **changes}))
     with pytest.raises(ConfigurationError) as caught:
-        resolve_scenario(ROOT, options(path))
+        resolve_scenario(CONFIG, options(path))
     assert text in str(caught.value)
     assert "\n" not in str(caught.value)
 

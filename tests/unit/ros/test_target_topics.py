@@ -21,12 +21,13 @@ from trajectory_msgs.msg import (
 )
 
 from lexstack.references import ReferenceSchedule, measured
-from lexstack.robots import to_quaternion
+from lexstack.robots import RobotModel, Team, to_quaternion
 from lexstack.tasks import LevelConfig, StackConfig, TaskConfig
 from lexstack_config.reference_topics import ReferenceTopicsConfig
+from lexstack_config.resolved import load_robot
 from lexstack_ros.controller.target_topics import TargetTopics
 from lexstack_ros.messages.conversions import to_time
-from support.scenario import home, state_at, team
+from support.scenario import CONFIG, home, state_at, team
 
 ELBOW = "panda_link4"
 STACK = StackConfig(
@@ -250,6 +251,23 @@ def test_a_frame_that_a_stack_names_has_topics_of_its_own(bench):
     np.testing.assert_allclose(bench.at(5.0).motion.frames[0, ELBOW].position, [0.5, 0.0, 0.9])
     bench.send(f"/robot_a/{ELBOW}/ee_twist", twist((0.0, 0.1, 0.0))).go()
     assert bench.topics.refused == 0
+
+
+def test_a_frame_that_a_robot_has_not_has_no_topics(bench):
+    task = TaskConfig("frame_pose", "robot_a", parameters={"frame": "nose"})
+    before = set(bench.node.listeners)
+    bench.topics.add_frames(StackConfig("nose", "", (LevelConfig((task,)),)))
+    assert set(bench.node.listeners) == before
+
+
+def test_every_tool_of_a_robot_has_topics_of_its_own():
+    robot = RobotModel("duo", load_robot(CONFIG / "robots/tiago_dual.yaml"))
+    assert robot.config.tools
+    pair, node = Team((robot,), 0.01), Node()
+    schedule = ReferenceSchedule(measured(pair, pair.home()), dt=0.01)
+    TargetTopics(node, pair, schedule, ReferenceTopicsConfig())
+    for name in robot.config.tools:
+        assert f"/duo/{name}/ee_target" in node.listeners
 
 
 def test_one_pose_with_a_time_is_reached_at_that_time(bench):

@@ -12,6 +12,7 @@ from websockets.sync.client import connect
 
 from lexstack_ros.view.page.server import HOST, PageServer
 
+OTHER = "localhost"  # another name of this machine
 PROTOCOL = f"viser-v{viser.__version__}"
 
 
@@ -62,7 +63,7 @@ def test_it_listens_on_this_machine_alone(page):
         socket.create_connection(("127.0.0.2", page.get_port()), timeout=2)
 
 
-@pytest.mark.parametrize("name", [HOST, "localhost"])
+@pytest.mark.parametrize("name", [HOST, OTHER])
 def test_both_names_of_this_machine_are_served(page, name):
     assert get(page, Host=f"{name}:{page.get_port()}")[0] == 200
 
@@ -89,8 +90,8 @@ def test_the_own_page_is_heard(page):
 
 @pytest.mark.parametrize(
     "origin",
-    [None, "null", "http://evil.example", "https://127.0.0.1:{port}", f"http://{HOST}:1",
-     "http://localhost:{port}"],
+    [None, "null", "http://evil.example", f"https://{HOST}:{{port}}", f"http://{HOST}:1",
+     f"http://{OTHER}:{{port}}"],
 )  # fmt: skip
 def test_a_foreign_page_commands_nothing(page, origin):
     origin = None if origin is None else origin.format(port=page.get_port())

@@ -100,13 +100,36 @@ class FrameRows:
     """How the rows of a task come from the Jacobian of a frame: ``scale * axes @ jacobian``.
 
     Attributes:
-        axes: shape (m, 6): linear, then angular; orthonormal rows.
+        axes: shape (m, 6): linear, then angular.
         jacobian: shape (6, n_robot), at the frame's origin, axes parallel to the world
-            (LOCAL_WORLD_ALIGNED).
+            (LOCAL_WORLD_ALIGNED), of the last robot of the curve.
+        end: None, or that of where the frame belongs on another one, on the first robot of the
+            curve; the rows are then ``scale * axes @ (jacobian - end)``.
+        turning: None, or how the axes turn with the frame, shape (m, 6, 6), symmetric: with the
+            frame's twist t, B has t^T Q_r t besides, for each row r, times its error.
+        tree: None, or of rows that joints of several branches move: which joints, see ``Tree``.
     """
 
     axes: Matrix
     jacobian: Matrix
+    end: Matrix | None = None
+    turning: NDArray[np.float64] | None = None
+    tree: Tree | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tree:
+    """How the joints of a robot carry each other.
+
+    Attributes:
+        carries: 1 where joint i carries what joint j moves, and for i = j, shape (n_all, n_all);
+            upper triangular.
+        follows: E, velocities of all joints by those of the controlled ones, shape (n_all, n);
+            None: they are the same. Columns of Jacobians are those of all joints.
+    """
+
+    carries: Matrix
+    follows: Matrix | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,32 +29,18 @@ class JointStatesConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class TfConfig:
-    """A base's pose from the tf tree (needs tf2_msgs)."""
-
-    parent: str = "odom"  # the frame in which the pose is measured
-    child: str = "base_link"  # the frame of the base
-
-
-@dataclass(frozen=True, slots=True)
 class BaseInterfaceConfig:
-    """How a platform is measured and driven; one of ``odometry`` and ``tf`` is needed."""
+    """How a platform is measured and driven."""
 
+    odometry: Topic  # nav_msgs/Odometry
     command: Topic  # takes its velocity, in the axes of the base
     type: Literal["twist", "twist_stamped"] = "twist_stamped"  # of the command
-    odometry: Topic | None = None  # nav_msgs/Odometry
-    tf: TfConfig | None = None  # the pose from /tf; velocities follow from poses
     # in whose axes the odometry's twist is: REP-105 says the base's (child_frame_id)
     twist_axes: Literal["base", "parent"] = "base"
     frame: str = ""  # header.frame_id that the odometry must have; empty: any
     # x [m], y [m], yaw [rad] of the odometry's frame in the world; default: the robot stands where
     # the scenario puts it when it is enabled for the first time
     origin: Finite3 | None = None
-
-    def validate(self, where: str) -> None:
-        """Raise ConfigurationError unless there is one source of the pose."""
-        if (self.odometry is None) == (self.tf is None):
-            raise ConfigurationError(f"{where}: one of odometry and tf is needed")
 
 
 @dataclass(frozen=True, slots=True)

@@ -154,7 +154,16 @@ def test_the_object_goes_where_the_level_below_takes_it():
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        ({}, "key 'other' is missing"),
+        ({}, "here: other: 'robot_a' is the task's own robot: the task needs another one, or two"),
+        ({"other_frame": "wing"}, "here: other_frame: robot robot_a: no frame 'wing'"),
+        ({"frame": "wing"}, "here: frame: robot robot_a: no frame 'wing'"),
+        ({"other": "robot_b", "axes": "wing"}, "here: axes: robot robot_a: no frame 'wing'"),
+        ({"other": "robot_b", "mask": [False] * 6}, "here: mask: it leaves no axis"),
+        ({"other": "robot_b", "gain": [1.0] * 3}, "here: gain: expected a number, 6 numbers"),
+        (
+            {"other": "robot_b", "pose": {"quaternion": [0.0] * 4}},
+            "here: pose: quaternion: must not be zero",
+        ),
         ({"other": "robot_c"}, "here: other: unknown robot 'robot_c'; known: robot_a, robot_b"),
         ({"other": "robot_a"}, "here: other: 'robot_a' is the task's own robot"),
         ({"other": "robot_b", "max_linear": 0.0}, "here: max_linear: must be finite and > 0"),

@@ -13,10 +13,10 @@ so with a force f and a moment t along the rows, for i <= j,
 
     B_ij = w_i . (f x v_j + (t x w_j) / 2)
 
-two products of small matrices, and no finite differences. The rotation between the tools of two
-robots a and b turns with both of them: with the moment t on b
+two products of small matrices, and no finite differences. The rotation between two frames a and b
+turns with both of them: with the moment t on b
 
-    B_ij = t . (w_i x w_j) / 2          i of a, j of b
+    B_ij = t . (w_i x w_j) / 2          i that moves a, j that moves b
 
 The forward speed and the yaw rate of a differential base are no joints of a chain: driving along
 the heading h = v_1 and turning do not commute. The derivative of h along the turn is w_2 x v_1, as
@@ -35,7 +35,7 @@ from functools import lru_cache
 import numpy as np
 
 from lexstack.robots import Kinematics
-from lexstack.types import LinearTask, Matrix, Vector
+from lexstack.types import FrameRows, LinearTask, Matrix, Vector
 
 
 def add_curvature(
@@ -58,12 +58,9 @@ def add_curvature(
     if curve is None:
         return
     if task.frame is not None:
-        forces = curve.scale * (weights @ task.frame.axes)
-        (robot,) = curve.robots
-        here, (linear, angular) = places[robot], np.split(task.frame.jacobian, 2)
-        into[here, here] += chain_curvature(linear, angular, forces)
-        if robot in kinematics.unicycles:
-            _add_unicycle(into[here, here], linear, angular, forces)
+        own = [places[i] for i in curve.robots]
+        turning = [i in kinematics.unicycles for i in curve.robots]
+        _add_frame(into, task.frame, curve.scale * weights, own, turning)
         return
     for robot, columns, sign in zip(curve.robots, curve.columns, curve.signs, strict=False):
         forces = np.zeros(6)
@@ -83,17 +80,60 @@ def add_curvature(
         into[places[other], places[one]] -= block.T
 
 
-def chain_curvature(linear: Matrix, axes: Matrix, forces: Vector) -> Matrix:
+def _add_frame(
+    into: Matrix, frame: FrameRows, weights: Vector, places: list[slice], unicycles: list[bool]
+) -> None:
+    """Add B of rows that say how they come from a frame, in place.
+
+    Args:
+        into: as in ``add_curvature``.
+        frame: the rows.
+        weights: of them, times the scale, shape (m,).
+        places: of the joints of the curve's robots.
+        unicycles: whether each of these robots has a differential base.
+    """
+    forces, here = weights @ frame.axes, places[-1]
+    linear, angular = np.split(frame.jacobian, 2)
+    if frame.tree is not None:
+        bent = chain_curvature(linear, angular, forces, frame.tree.carries)
+        follows = frame.tree.follows
+        into[here, here] += bent if follows is None else follows.T @ bent @ follows
+        if unicycles[-1] and follows is not None:
+            _add_unicycle(into[here, here], linear @ follows, angular @ follows, forces)
+        return
+    into[here, here] += chain_curvature(linear, angular, forces)
+    if unicycles[-1]:
+        _add_unicycle(into[here, here], linear, angular, forces)
+    if frame.turning is not None:
+        quadratic = np.tensordot(weights, frame.turning, 1)
+        into[here, here] += frame.jacobian.T @ quadratic @ frame.jacobian
+    if frame.end is not None:
+        there, (end, turns) = places[0], np.split(frame.end, 2)
+        into[there, there] -= chain_curvature(end, turns, forces)
+        if unicycles[0]:
+            _add_unicycle(into[there, there], end, turns, -forces)
+        block = turns.T.dot(_cross(0.5 * forces[3:])).dot(angular)
+        into[there, here] -= block
+        into[here, there] -= block.T
+
+
+def chain_curvature(
+    linear: Matrix, axes: Matrix, forces: Vector, carries: Matrix | None = None
+) -> Matrix:
     """Return B of one chain, symmetric, shape (n, n).
 
     Args:
         linear: the frame's linear columns v, shape (3, n), in the order of the chain.
         axes: its angular columns w, shape (3, n).
         forces: f and t, shape (6,), along the rows of the frame's Jacobian.
+        carries: of a tree of joints, see ``Tree``; None: they are a chain, or what is not on it has
+            no columns.
     """
     turned = _cross(forces[:3]).dot(linear)
     turned += (0.5 * _cross(forces[3:])).dot(axes)
     products: Matrix = axes.T.dot(turned)
+    if carries is not None:
+        products *= carries
     upper, strictly = _triangles(len(products))
     result: Matrix = products * upper
     result += (products * strictly).T

@@ -6,6 +6,7 @@ from lexstack.limits.limit_timing import Motion
 from lexstack.limits.limit_transition import LimitBlend
 from lexstack.limits.limits_in_force import BoundsProvider, LimitOptions, LimitsInForce
 from lexstack.limits.stopping import approach_speed
+from lexstack.limits.travel import travel_time
 from lexstack.limits.viable_bounds import is_viable, target_bounds, viable_bounds
 
 __all__ = [
@@ -21,5 +22,6 @@ __all__ = [
     "approach_speed",
     "is_viable",
     "target_bounds",
+    "travel_time",
     "viable_bounds",
 ]

@@ -139,12 +139,13 @@ class UnicycleSensitivity:
             stages, stages, n - 1, n - 1
         )
         # x and y with all that is linear: sum_k (dx_k/du_i)' B_k[x, .] C_kj, and its transpose.
-        mixed = np.einsum("kcid,kca->kida", drive, curved[:, :2, 2:], optimize=True)
+        ways = drive.reshape(stages, 2, 2 * stages)
+        mixed = (ways.transpose(0, 2, 1) @ curved[:, :2, 2:]).reshape(stages, stages, 2, -1)
         cross = np.tensordot(mixed, horizon.to_position, axes=(0, 0)).transpose(0, 3, 1, 2)
         full[:, :, :2, 1:] += cross
         full[:, :, 1:, :2] += cross.transpose(1, 0, 3, 2)
         # x and y with each other.
-        ways = drive.reshape(stages, 2, 2 * stages)
-        both = np.einsum("kci,kce,kej->ij", ways, curved[:, :2, :2], ways, optimize=True)
+        pushed = curved[:, :2, :2] @ ways
+        both = ways.reshape(2 * stages, -1).T @ pushed.reshape(2 * stages, -1)
         full[:, :, :2, :2] += both.reshape(stages, 2, stages, 2).transpose(0, 2, 1, 3)
         return full.reshape(stages * stages, n * n)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from lexstack.references.fading import Fading
     from lexstack.references.moving import Moving
     from lexstack.references.path import path_at_speed
+    from lexstack.references.point_to_point import PointToPoint
     from lexstack.references.retaking import targets_between
     from lexstack.references.schedule import ReferenceSchedule
     from lexstack.references.set_point import Led, SetPoint
@@ -42,6 +43,7 @@ else:
             "moving": "Moving",
             "path": "path_at_speed",
             "retaking": "targets_between",
+            "point_to_point": "PointToPoint",
             "schedule": "ReferenceSchedule",
             "set_point": "Led SetPoint",
             "spaces": "BASES JOINTS POSES",
@@ -67,6 +69,7 @@ __all__ = [
     "Motion",
     "MotionLimits",
     "Moving",
+    "PointToPoint",
     "ReferenceSchedule",
     "ReferenceTimeline",
     "References",

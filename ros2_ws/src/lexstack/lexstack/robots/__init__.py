@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from lexstack.robots.description import description_path, is_text, located, urdf_text
     from lexstack.robots.from_urdf import mobile_manipulator, robot_from_urdf
     from lexstack.robots.handle import Robot
+    from lexstack.robots.ik import inverse_kinematics
     from lexstack.robots.kinematics import Kinematics, Pose
     from lexstack.robots.obstacles import Obstacles
     from lexstack.robots.options import (
@@ -41,6 +42,7 @@ else:
             "description": "description_path is_text located urdf_text",
             "from_urdf": "mobile_manipulator robot_from_urdf",
             "handle": "Robot",
+            "ik": "inverse_kinematics",
             "kinematics": "Kinematics Pose",
             "obstacles": "Obstacles",
             "options": "AnyBase ArmConfig BaseConfig DifferentialConfig FrameConfig ObstacleConfig "
@@ -84,6 +86,7 @@ __all__ = [
     "description_path",
     "from_quaternion",
     "from_rpy",
+    "inverse_kinematics",
     "is_text",
     "located",
     "log3",

@@ -19,7 +19,7 @@ from lexstack.robots.options import DifferentialConfig, RobotConfig
 from lexstack.robots.spatial import from_rpy
 from lexstack.robots.unicycle import arc, by_chi, rate_matrix
 from lexstack.robots.urdf import Description, slides
-from lexstack.types import Matrix, Vector
+from lexstack.types import Matrix, Tree, Vector
 
 
 class RobotModel:
@@ -207,9 +207,48 @@ class RobotModel:
 
     def centre_of_mass(self, q: Vector) -> tuple[Vector, Matrix]:
         """Return the centre of mass in the world (3,), m, and its Jacobian (3, n) at q (nq,)."""
+        centre, every = self.mass_motion(q)
+        return centre, self._by_chi(every[:3], q)
+
+    def mass_motion(self, q: Vector) -> tuple[Vector, Matrix]:
+        """Return the centre of mass (3,), m, and how joints move it, shape (6, n_all), at q (n,).
+
+        Of all joints of ``pinocchio``, mimicking ones too: the Jacobian of the centre, then the
+        axes of those that turn, both in the world.
+        """
         every = self.positions(q)
-        jacobian = np.array(pin.jacobianCenterOfMass(self.pinocchio, self._data, every, False))
-        return self._data.com[0].copy(), self._by_chi(jacobian.reshape(3, -1), q)
+        found = np.empty((6, self.pinocchio.nv))
+        found[:3] = pin.jacobianCenterOfMass(self.pinocchio, self._data, every, False).reshape(
+            3, -1
+        )
+        found[3:] = self._data.J[3:]  # which it fills on its way
+        return self._data.com[0].copy(), found
+
+    @cached_property
+    def tree(self) -> Tree:
+        """How the joints of ``pinocchio`` carry each other, and follow the controlled ones."""
+        model = self.pinocchio
+        carries = np.zeros((model.nv, model.nv))
+        for joint in range(1, model.njoints):
+            for above in list(model.supports[joint])[1:]:
+                carries[model.joints[above].idx_v, model.joints[joint].idx_v] = 1.0
+        carries.setflags(write=False)
+        return Tree(carries, None if self.map is None else self.map.matrix)
+
+    def tree_at(self, q: Vector) -> Tree:
+        """Return ``tree`` with how its joints follow chi at q (nq,): with the yaw of a base."""
+        if not self.differential:
+            return self.tree
+        follows = np.eye(self.nq) if self.map is None else self.map.matrix
+        return Tree(self.tree.carries, by_chi(follows, float(q[2])))
+
+    def all_joints(self, q: Vector, frame: str) -> Matrix:
+        """Return a frame's Jacobian on all joints of ``pinocchio`` at q (n,), shape (6, n_all)."""
+        every, place = self.positions(q), self.frame(frame)
+        found = pin.computeFrameJacobian(
+            self.pinocchio, self._data, every, place, pin.LOCAL_WORLD_ALIGNED
+        )
+        return np.array(found).reshape(6, -1)
 
     @property
     def mass(self) -> float:

@@ -2,8 +2,9 @@
 
     S J_c chi -> S sat(gain (c_d - c))
 
-with S the axes that are kept. pink and mink: ``ComTask``; placo: ``CoMTask``. The rows have no
-``Curve``: near a singularity the level is not damped for their sake.
+with S the axes that are kept. pink and mink: ``ComTask``; placo: ``CoMTask``. A joint i turns what
+it carries as a whole, so that the column of a joint j that it carries turns with it,
+d J_c,j / dq_i = w_i x J_c,j, and the columns of other branches do not.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from lexstack.references import References
 from lexstack.robots import Kinematics, Team
 from lexstack.tasks.frame_pose import saturated
 from lexstack.tasks.frame_task import check_mask, kept_rows
-from lexstack.types import LinearTask
+from lexstack.types import Curve, FrameRows, LinearTask
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +49,14 @@ class CentreOfMass:
         self._model = team.robots[robot]
         if not self._model.mass > 0.0:
             raise ConfigurationError(f"{where}: robot {self._model.name!r} has no mass")
-        self._columns = team.slices[robot]
-        self._place = team.q_slices[robot]
+        self._columns, self._places = team.slices[robot], team.q_slices[robot]
         self._n = team.n
         self._parameters = parameters
         self._rows = list(kept_rows(parameters.mask))
+        self._axes = np.eye(6)[self._rows]
+        limits, sizes = (parameters.max_linear,), (len(self._rows),)
+        columns = (self._columns,)
+        self._curve = Curve(parameters.gain, (robot,), columns, (1.0,), limits, sizes=sizes)
         self._target = np.array(parameters.target)
 
     @classmethod
@@ -64,9 +68,12 @@ class CentreOfMass:
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return a row for each axis that is kept [m/s], axes of the world."""
-        centre, jacobian = self._model.centre_of_mass(kinematics.state.q[self._place])
+        q = kinematics.state.q[self._places]
+        centre, motion = self._model.mass_motion(q)
         error = (self._target - centre)[self._rows]
-        matrix = np.zeros((len(self._rows), self._n))
-        matrix[:, self._columns] = jacobian[self._rows]
+        matrix, tree = np.zeros((len(self._rows), self._n)), self._model.tree_at(q)
+        rows = motion[self._rows]
+        matrix[:, self._columns] = rows if tree.follows is None else rows @ tree.follows
         target = saturated(self._parameters.gain * error, self._parameters.max_linear)
-        return LinearTask.equality(self.name, matrix, target)
+        frame = FrameRows(self._axes, motion, tree=tree)
+        return LinearTask.equality(self.name, matrix, target, self._curve, frame=frame)

@@ -35,7 +35,7 @@ class EePose:
         self._robot = robot
         self._columns = team.slices[robot]
         self._n = team.n
-        self._dt = team.dt
+        self._team = team
         self._parameters = parameters
         limits = (parameters.max_linear, parameters.max_angular)
         self._curve = Curve(parameters.gain, (robot,), (self._columns,), (1.0,), limits)
@@ -56,9 +56,7 @@ class EePose:
         matrix[:, self._columns] = kinematics.jacobians[self._robot]
         feed = references.twist(self._robot)
         if feed is not None:
-            command = kinematics.state.command[self._columns]
-            bends = self._robot in kinematics.unicycles
-            feed = feed_forward(feed, kinematics.jacobians[self._robot], command, self._dt, bends)
+            feed = feed_forward(feed, kinematics, self._team, self._robot)
         return LinearTask.equality(self.name, matrix, target, self._curve, feed)
 
 

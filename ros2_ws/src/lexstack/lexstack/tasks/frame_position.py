@@ -33,7 +33,7 @@ class EePosition:
         self._robot = robot
         self._columns = team.slices[robot]
         self._n = team.n
-        self._dt = team.dt
+        self._team = team
         self._parameters = parameters
         limits = (parameters.max_linear,)
         self._curve = Curve(parameters.gain, (robot,), (self._columns,), (1.0,), limits)
@@ -53,9 +53,5 @@ class EePosition:
         matrix[:, self._columns] = kinematics.jacobians[self._robot][:3]
         feed = references.twist(self._robot)
         if feed is not None:
-            command = kinematics.state.command[self._columns]
-            bends = self._robot in kinematics.unicycles
-            feed = feed_forward(feed, kinematics.jacobians[self._robot], command, self._dt, bends)[
-                :3
-            ]
+            feed = feed_forward(feed, kinematics, self._team, self._robot)[:3]
         return LinearTask.equality(self.name, matrix, target, self._curve, feed)

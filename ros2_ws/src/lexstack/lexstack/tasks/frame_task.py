@@ -97,15 +97,15 @@ class FrameTask:
         self._robot = robot
         self._columns = team.slices[robot]
         self._n = team.n
-        self._dt = team.dt
+        self._team = team
         self._choice = choice
         self.reference = choice.frame
         self._parts = choice.parts
         check_frame(team, robot, choice.frame, f"{where}: frame")
         if choice.axes not in (WORLD, LOCAL):
             check_frame(team, robot, choice.axes, f"{where}: axes")
-        limits = tuple(limit for _, limit in self._parts)
-        sizes = () if choice.plain else tuple(p.stop - p.start for p, _ in self._parts)
+        limits = tuple(limit for _, limit in choice.parts)
+        sizes = () if choice.plain else tuple(p.stop - p.start for p, _ in choice.parts)
         self._curve = Curve(choice.largest, (robot,), (self._columns,), (1.0,), limits, sizes=sizes)
 
     @classmethod
@@ -124,42 +124,47 @@ class FrameTask:
         error = np.zeros(6) if goal is None else pose_error(pose, goal)
         feed = references.twist(self._robot, self.reference)
         if feed is not None:
-            command = kinematics.state.command[self._columns]
-            bends = self._robot in kinematics.unicycles
-            feed = feed_forward(feed, jacobian, command, self._dt, bends)
+            feed = feed_forward(feed, kinematics, self._team, self._robot, choice.frame)
         matrix = np.zeros((len(choice.rows), self._n))
         if choice.plain:
             m = len(choice.rows)
             matrix[:, self._columns] = jacobian[:m]
-            target = self._target(error[:m])
+            target = asked_of(choice, error[:m])
             return LinearTask.equality(
                 self.name, matrix, target, self._curve, None if feed is None else feed[:m]
             )
-        axes = self._axes(kinematics, pose)
+        axes = axes_of(choice.rows, self._turn(kinematics, pose))
         matrix[:, self._columns] = axes @ jacobian
-        target = self._target(axes @ error)
+        target = asked_of(choice, axes @ error)
         feed = None if feed is None else axes @ feed
         rows = FrameRows(axes, jacobian)
         return LinearTask.equality(self.name, matrix, target, self._curve, feed, rows)
 
-    def _target(self, error: Vector) -> Vector:
-        """Return sat(K_p e), shape (m,)."""
-        gain = self._choice.gain
-        asked = gain @ error if isinstance(gain, np.ndarray) else gain * error
-        target = np.empty(len(error))
-        for part, limit in self._parts:
-            target[part] = saturated(asked[part], limit)
-        return target
+    def _turn(self, kinematics: Kinematics, pose: Pose) -> Matrix | None:
+        """Return the axes of the task in the world, shape (3, 3); None: they are the world's."""
+        axes = self._choice.axes
+        if axes == WORLD:
+            return None
+        return (pose if axes == LOCAL else kinematics.frame(self._robot, axes)[0]).rotation
 
-    def _axes(self, kinematics: Kinematics, pose: Pose) -> Matrix:
-        """Return A, shape (m, 6)."""
-        choice = self._choice
-        if choice.axes == WORLD:
-            return np.eye(6)[list(choice.rows)]
-        turn = pose if choice.axes == LOCAL else kinematics.frame(self._robot, choice.axes)[0]
-        axes = np.zeros((6, 6))
-        axes[:3, :3] = axes[3:, 3:] = turn.rotation.T
-        return axes[list(choice.rows)]
+
+def asked_of(choice: FrameChoice, error: Vector) -> Vector:
+    """Return sat(K_p e) of the rows that are kept, shape (m,)."""
+    gain = choice.gain
+    asked = gain @ error if isinstance(gain, np.ndarray) else gain * error
+    target = np.empty(len(error))
+    for part, limit in choice.parts:
+        target[part] = saturated(asked[part], limit)
+    return target
+
+
+def axes_of(rows: tuple[int, ...], turn: Matrix | None) -> Matrix:
+    """Return A, shape (m, 6): some rows in the axes of a rotation (3, 3), or of the world."""
+    if turn is None:
+        return np.eye(6)[list(rows)]
+    axes = np.zeros((6, 6))
+    axes[:3, :3] = axes[3:, 3:] = turn.T
+    return axes[list(rows)]
 
 
 def task_name(team: Team, robot: int, kind: str, frame: str) -> str:

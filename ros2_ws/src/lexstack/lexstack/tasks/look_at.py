@@ -6,9 +6,15 @@ and e = angle(a, d) (a x d) / |a x d|,
     B (J_w + [d]x J_v / r) chi -> B sat(gain e)
 
 with B two directions across a, shape (2, 3). The second term of the rows is how d turns while the
-frame moves. mink: ``LookAtTask``; pink and placo have none, and placo's ``AxisAlignTask`` with a
-direction of each tick would leave that term out. The rows have no ``Curve``: near a singularity the
-level is not damped for their sake.
+frame moves. mink: ``LookAtTask``; pink and placo have none, and placo's ``AxisAlignTask``
+with a direction of each tick would leave that term out.
+
+How the rows turn (``FrameRows.turning``): with m = B^T e, and the frame's velocities v and w, the
+second derivative of half of the squared error has, besides what the chain of joints bends,
+
+    - 2 (d . v) ((m x d) . v) / r^2 - (a . w) ((m x a) . w)
+
+as d turns faster the nearer the frame comes, and a frame that turns about its axis takes B along.
 """
 
 from __future__ import annotations
@@ -18,6 +24,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lexstack.options import Finite3, Positive, build
 from lexstack.references import TOOL, References
@@ -26,7 +33,7 @@ from lexstack.robots.options import Vector3
 from lexstack.tasks.directions import across, check_direction, turn_between, unit
 from lexstack.tasks.frame_pose import saturated
 from lexstack.tasks.frame_task import check_frame, task_name
-from lexstack.types import LinearTask
+from lexstack.types import Curve, FrameRows, LinearTask, Matrix, Vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +63,8 @@ class LookAt:
         self._columns = team.slices[robot]
         self._n = team.n
         self._parameters = parameters
+        limits, columns = (parameters.max_angular,), (self._columns,)
+        self._curve = Curve(parameters.gain, (robot,), columns, (1.0,), limits, sizes=(2,))
         self._axis, self._point = unit(parameters.axis), np.array(parameters.point)
 
     @classmethod
@@ -73,9 +82,20 @@ class LookAt:
         length = math.sqrt(float(direction @ direction))
         aim = direction / length if length > 0.0 else axis
         target = both @ turn_between(axis, aim)
-        matrix = np.zeros((2, self._n))
         # d turns with d x d_dot = -d x v / r.
-        turning = jacobian[3:] + np.cross(direction, jacobian[:3], axisb=0, axisc=0) / distance
-        matrix[:, self._columns] = both @ turning
+        axes = np.hstack((np.cross(both, direction) / distance, both))
+        matrix = np.zeros((2, self._n))
+        matrix[:, self._columns] = axes @ jacobian
         target = saturated(self._parameters.gain * target, self._parameters.max_angular)
-        return LinearTask.equality(self.name, matrix, target)
+        rows = FrameRows(axes, jacobian, turning=_turning(both, axis, direction, distance))
+        return LinearTask.equality(self.name, matrix, target, self._curve, frame=rows)
+
+
+def _turning(both: Matrix, axis: Vector, direction: Vector, distance: float) -> NDArray[np.float64]:
+    """Return Q of each row, shape (2, 6, 6)."""
+    found = np.zeros((2, 6, 6))
+    nearing = np.cross(both, direction)[:, :, None] * (direction / (distance * distance))
+    spinning = np.cross(both, axis)[:, :, None] * (0.5 * axis)
+    found[:, :3, :3] = -nearing - nearing.transpose(0, 2, 1)
+    found[:, 3:, 3:] = -spinning - spinning.transpose(0, 2, 1)
+    return found

@@ -51,6 +51,7 @@ class Manipulability:
         columns, self._arm = team.slices[robot], team.robots[robot].arm
         arm = range(columns.start, columns.stop)[self._arm]
         self._matrix = np.eye(len(arm), team.n, arm.start)
+        self._model, self._places = team.robots[robot], team.q_slices[robot]
         self._matrix.setflags(write=False)  # solvers may remember it
         self._parameters = parameters
 
@@ -64,8 +65,13 @@ class Manipulability:
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return one row per arm joint [rad/s]."""
         p = self._parameters
-        _, jacobian = kinematics.frame(self.robots[0], p.frame)
-        gradient = log_gradient(jacobian[:, self._arm], _ROWS[p.rows])
+        joints = self._model.map
+        if joints is None:
+            _, jacobian = kinematics.frame(self.robots[0], p.frame)
+            gradient = log_gradient(jacobian[:, self._arm], _ROWS[p.rows])
+        else:
+            every = self._model.all_joints(kinematics.state.q[self._places], p.frame)
+            gradient = log_gradient(every, _ROWS[p.rows], joints.matrix[:, self._arm])
         target = saturated(p.gain * gradient, p.max_speed)
         return LinearTask.equality(self.name, self._matrix, target)
 
@@ -76,8 +82,15 @@ def log_manipulability(jacobian: Matrix, rows: slice) -> float:
     return 0.5 * float(np.linalg.slogdet(kept @ kept.T + _REGULAR * np.eye(len(kept)))[1])
 
 
-def log_gradient(jacobian: Matrix, rows: slice) -> Vector:
-    """Return d log w / dq, shape (n,), of a frame's Jacobian (6, n) on a chain of joints."""
+def log_gradient(jacobian: Matrix, rows: slice, follows: Matrix | None = None) -> Vector:
+    """Return d log w / dq, shape (n,), of a frame's Jacobian on a chain of joints.
+
+    Args:
+        jacobian: shape (6, n_all).
+        rows: of it that count.
+        follows: velocities of the chain's joints by those of n controlled ones, some of which
+            mimic others, shape (n_all, n); None: they are the same.
+    """
     linear, angular = jacobian[:3].T, jacobian[3:].T
     n = len(linear)
     by = np.cross(angular[:, None], linear[None])  # [i, j]: w_i x v_j
@@ -86,6 +99,10 @@ def log_gradient(jacobian: Matrix, rows: slice) -> Vector:
     slopes = np.concatenate(
         (np.where(later, by, by.transpose(1, 0, 2)), np.where(later, turned, 0.0)), axis=2
     )
-    kept = jacobian[rows]
+    kept = jacobian[rows] if follows is None else jacobian[rows] @ follows
     weights = np.linalg.solve(kept @ kept.T + _REGULAR * np.eye(len(kept)), kept)
-    return np.asarray(np.einsum("rj,ijr->i", weights, slopes[:, :, rows]))
+    if follows is None:
+        return np.asarray(np.einsum("rj,ijr->i", weights, slopes[:, :, rows]))
+    # log w depends on J E; what a controlled joint moves turns by all that follow it.
+    every = np.einsum("rj,ijr->i", weights @ follows.T, slopes[:, :, rows])
+    return np.asarray(follows.T @ every)

@@ -168,10 +168,12 @@ def paired(first: Sequence[P], second: Sequence[P]) -> Iterator[tuple[P | None, 
 
 def _figures(phase: PhaseMetrics | None) -> dict[str, Any]:
     """Return a phase's figures by key; its stack is in its name."""
-    words = ("stack", "has_errors", "levels")
+    words = ("stack", "has_errors", "levels", "tasks")
     if phase is None:
         return {}
     left = {f"level {one.level} residual": one.residual for one in phase.levels}
+    for key in ("error_mm", "error_mrad", "peak_error_mm", "peak_error_mrad"):
+        left[f"task_{key}"] = {one.task: getattr(one, key) for one in phase.tasks}
     return {k: v for k, v in asdict(phase).items() if k not in words} | left
 
 

@@ -18,6 +18,7 @@ from lexstack_bag.figures.phases import BASE_TASKS, EE_TASKS, Phase, find_phases
 from lexstack_bag.figures.relative_errors import PerRobot, relative_errors_of
 from lexstack_bag.figures.series import COMMANDER, TimeSeries, finite, measure
 from lexstack_bag.figures.settling import posture_errors, settled_after
+from lexstack_bag.figures.task_errors import TaskErrors, errors_of, summed_up
 from lexstack_bag.run.run import Run, RunPart, SolveStatus
 from lexstack_bag.run.sequences import SequenceMetrics, ratio_of, sequences_of
 from lexstack_bag.run.wholeness import doubts_of, gaps_of, span_of, wholeness_of
@@ -52,6 +53,7 @@ class PhaseMetrics:
     outcome: str = ""  # adopted, cancelled, aborted, replaced, under way; empty: the first phase
     has_errors: bool = True  # whether its stack has a task that can settle
     levels: tuple[LevelMetrics, ...] = ()
+    tasks: tuple[TaskErrors, ...] = ()  # errors of all other tasks
 
     @property
     def title(self) -> str:
@@ -164,6 +166,8 @@ def _phase(run: Run, team: Team, time_series: TimeSeries, phase: Phase) -> Phase
     ee = tasks_of(run, phase.stack, EE_TASKS)
     base = tasks_of(run, phase.stack, BASE_TASKS)
     postures = posture_errors(run, team, phase.stack)
+    others = errors_of(run, team, time_series, phase, ticks)
+    series = [each for both in others.values() for each in both if each is not None]
 
     def figures(errors: Matrix, rows: Any, take: Any, robots: Collection[str]) -> PerRobot:
         return {
@@ -174,7 +178,7 @@ def _phase(run: Run, team: Team, time_series: TimeSeries, phase: Phase) -> Phase
     return PhaseMetrics(
         stack=phase.stack,
         start_s=round(phase.start, 9),
-        settled_s=settled_after(run, team, time_series, phase, ticks, steady),
+        settled_s=settled_after(run, team, time_series, phase, ticks, steady, others=series),
         transition_s=None if phase.adopted is None else round(phase.adopted - phase.start, 9),
         ee_error_mm=figures(time_series.ee_error, steady, np.mean, ee),
         ee_peak_error_mm=figures(time_series.ee_error, ticks, np.max, ee),
@@ -195,8 +199,9 @@ def _phase(run: Run, team: Team, time_series: TimeSeries, phase: Phase) -> Phase
         else None,
         robots=phase.robots,
         outcome=phase.outcome,
-        has_errors=bool(ee or base or postures),
+        has_errors=bool(ee or base or postures or series),
         levels=levels_of(run, team, time_series, phase, steady),
+        tasks=summed_up(others, ticks, steady),
     )
 
 

@@ -170,7 +170,19 @@ def summary_lines(metrics: Metrics) -> list[str]:
         values = [(phase.title, getattr(phase, key)) for phase in metrics.phases]
         told = ", ".join(f"{name} {_pair(found)}" for name, found in values if found)
         lines += [f"{title}: {told}"] if told else []
+    lines += [
+        f"{phase.title}: {one.task} {_error(one.error_mm, one.error_mrad)}, "
+        f"peak {_error(one.peak_error_mm, one.peak_error_mrad)}"
+        for phase in metrics.phases
+        for one in phase.tasks
+    ]
     return lines
+
+
+def _error(linear: float | None, angular: float | None) -> str:
+    """Return an error with its units, or a dash."""
+    known = [(linear, "mm"), (angular, "mrad")]
+    return ", ".join(f"{value:.2f} {unit}" for value, unit in known if value is not None) or "–"
 
 
 def settled_text(phase: PhaseMetrics) -> str:

@@ -59,7 +59,7 @@ def levels_of(
         phase: the phase.
         steady: which of the plant's states make its steady state, shape (T,).
     """
-    stack = _stack(run, team, phase)
+    stack = stack_of(run, team, phase)
     rows, commands = _common(run, np.flatnonzero(steady))
     if stack is None or not len(rows):
         return ()
@@ -68,7 +68,7 @@ def levels_of(
     sums: dict[str, list[float]] = {}
     levels: Levels = ()
     for place in chosen.tolist():
-        levels = _linear(run, team, time_series, stack, int(rows[place]))
+        levels = linear_levels(run, team, time_series, stack, int(rows[place]))
         for task in (task for level in levels for task in level):
             residual = task.residual(chi[commands[place]])
             sums.setdefault(task.name, []).append(float(np.linalg.norm(residual)))
@@ -83,7 +83,7 @@ def levels_of(
     )
 
 
-def _stack(run: Run, team: Team, phase: Phase) -> Stack | None:
+def stack_of(run: Run, team: Team, phase: Phase) -> Stack | None:
     """Return the stack of a phase for its robots; None where the bag's scenario has none."""
     config = run.resolved.stacks.get(phase.stack)
     if config is None:
@@ -107,7 +107,7 @@ def _common(run: Run, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArr
     return rows[mine], np.flatnonzero(usable)[theirs]
 
 
-def _linear(run: Run, team: Team, time_series: TimeSeries, stack: Stack, row: int) -> Levels:
+def linear_levels(run: Run, team: Team, time_series: TimeSeries, stack: Stack, row: int) -> Levels:
     """Return the levels of a stack, made linear as the controller did at a state of the plant."""
     plant = run.plant
     vectors = (plant.q[row], plant.v[row], plant.q_star[row], plant.command[row])

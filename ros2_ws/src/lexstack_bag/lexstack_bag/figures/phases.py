@@ -18,6 +18,9 @@ EE_TASKS = frozenset({"ee_pose", "ee_position"})
 BASE_TASKS = frozenset({"base"})
 POSTURE_TASKS = frozenset({"posture"})
 RELATIVE_TASKS = frozenset({"relative_pose"})
+"""Tasks with figures of their own; ``task_errors`` has those of all others."""
+
+_OF_OBJECTS = frozenset({"other", "gain", "max_linear", "max_angular"})
 
 _CANCELLED = re.compile(r"transitions? (\d+(?:, \d+)*) (?:was|were) cancelled")
 
@@ -129,3 +132,13 @@ def tasks_of(run: Run, stack: str, types: frozenset[str]) -> dict[str, TaskConfi
     tasks = [task for level in levels for task in level.tasks if task.type in types]
     moved = (config.robots if config is not None else ()) or run.robots
     return {name: task for name in moved for task in tasks[::-1] if task.robot in ("", name)}
+
+
+def held_objects(run: Run, stack: str) -> dict[str, str]:
+    """Return who holds an object with whom: two tools whose references say how they stand."""
+    tasks = tasks_of(run, stack, RELATIVE_TASKS)
+    return {
+        name: task.parameters["other"]
+        for name, task in tasks.items()
+        if "other" in task.parameters and _OF_OBJECTS.issuperset(task.parameters)
+    }

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from lexstack.robots import Team
 from lexstack.tasks import other_end, pose_error
 from lexstack.types import Matrix, Vector
-from lexstack_bag.figures.phases import RELATIVE_TASKS, tasks_of
+from lexstack_bag.figures.phases import held_objects
 from lexstack_bag.figures.series import TimeSeries
 from lexstack_bag.run.run import Run
 
@@ -68,11 +68,8 @@ def relative_errors_of(
         ticks: which are in the phase, shape (T,).
         steady: which of them make its steady state, shape (T,).
     """
-    tasks = tasks_of(run, stack, RELATIVE_TASKS)
-    held = [
-        _relative_errors(run, team, time_series, (name, task.parameters["other"]), ticks)
-        for name, task in tasks.items()
-    ]
+    tasks = held_objects(run, stack)
+    held = [_relative_errors(run, team, time_series, pair, ticks) for pair in tasks.items()]
     linear, angular = ([errors[k] for errors in held] for k in (0, 1))
     ends = steady[ticks]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +26,13 @@ def settled_after(
     phase: Phase,
     ticks: NDArray[np.bool_],
     steady: NDArray[np.bool_],
+    *,
+    others: Iterable[Vector] = (),
 ) -> float | None:
     """Return the time from a phase's start until all its errors have settled [s], by the stamps.
 
-    The errors are those of the stack's tasks: end-effector and base positions [mm] and the
-    distance of the arm from its posture, as a norm over its joints [mrad].
+    The errors are those of the stack's tasks: end-effector and base positions [mm], the distance
+    of the arm from its posture, as a norm over its joints [mrad], and those of others.
 
     Args:
         run: the run.
@@ -39,12 +41,13 @@ def settled_after(
         phase: the phase.
         ticks: which ticks are in the phase, shape (T,).
         steady: which of them make the steady state, shape (T,).
+        others: errors of its other tasks, shape (T,) each [mm, mrad].
 
     Returns:
         None if an error never settles, or the stack has no such task.
     """
     times = []
-    for errors in _errors(run, team, time_series, phase.stack):
+    for errors in (*_errors(run, team, time_series, phase.stack), *others):
         inside = errors[ticks]
         if not inside.size or not steady.any():
             return None

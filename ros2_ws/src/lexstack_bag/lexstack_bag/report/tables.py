@@ -73,6 +73,22 @@ def levels_table(metrics: Metrics) -> Markup:
     return table(head, rows, "levels")
 
 
+def tasks_table(metrics: Metrics) -> Markup:
+    """Return the errors of tasks that have no columns among the phases; empty without any."""
+    rows = [
+        [
+            _BOLD.format(phase.title),
+            one.task,
+            *(number(x, 3) for x in (one.error_mm, one.error_mrad)),
+            *(number(x, 2) for x in (one.peak_error_mm, one.peak_error_mrad)),
+        ]
+        for phase in metrics.phases
+        for one in phase.tasks
+    ]
+    head = ["stack", "task", "error [mm]", "[mrad]", "peak [mm]", "[mrad]"]
+    return table(head, rows, "tasks") if rows else Markup()
+
+
 def run_table(metrics: Metrics) -> Markup:
     """Return the counts of the whole run."""
     rows = [

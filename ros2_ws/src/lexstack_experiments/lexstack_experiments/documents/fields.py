@@ -8,6 +8,7 @@ from functools import partial
 from lexstack_experiments.documents import (
     mobile,
     obstacle,
+    peers,
     realism,
     sudden_limits,
     transition_methods,
@@ -21,6 +22,7 @@ Field = Callable[[], str]
 _FROM_RESULTS: dict[str, Callable[[Store], str]] = {
     **mobile.FIELDS,
     **obstacle.FIELDS,
+    **peers.FIELDS,
     **realism.FIELDS,
     **sudden_limits.FIELDS,
     **transition_methods.FIELDS,

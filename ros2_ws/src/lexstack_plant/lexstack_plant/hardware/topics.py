@@ -88,7 +88,7 @@ class RobotTopics:
         self._robot, self._clock, self._hear = robot, clock, hear
         config = robot.config
         states.add(JointState, config.joint_states.topic, self._on_joints)
-        if config.base is not None and config.base.odometry is not None:
+        if config.base is not None:
             states.add(Odometry, config.base.odometry, self._on_odometry)
         if stop is not None:
             states.add(Bool, stop, lambda message: press(bool(message.data)))

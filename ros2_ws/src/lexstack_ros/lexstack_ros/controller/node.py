@@ -85,7 +85,7 @@ class HqpControllerNode(Node):
             on_stack=self._targets.add_frames,
         )
         wall = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(_LOOK, self._on_look, clock=wall)
+        self._look = self.create_timer(_LOOK, self._on_look, clock=wall)
         self._peer_watch = PeerWatch(self)
         Diagnostics(self, self._health)
         self._states = PlantStates(
@@ -146,14 +146,20 @@ class HqpControllerNode(Node):
 
     def _on_look(self) -> None:
         """Serve a state whose source did not answer in time: it counts as lost."""
-        if self._state is not None and time.monotonic() >= self._deadline:
+        if self._state is None:
+            self._look.cancel()  # until a state waits again
+        elif time.monotonic() >= self._deadline:
             self._late += 1
             self._serve(wait=False)
 
     def _serve(self, *, wait: bool) -> None:
         """Send the command for the state at hand, unless it must wait for the source."""
         state = self._state
-        if state is None or (wait and self._controller.awaits(state)):
+        if state is None:
+            return
+        if wait and self._controller.awaits(state):
+            if self._look.is_canceled():
+                self._look.reset()
             return
         self._state = None
         command = self._controller.tick(state)

@@ -13,7 +13,7 @@ from nav_msgs.msg import Path
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
-from lexstack.errors import InputError
+from lexstack.errors import InputError, ModelError
 from lexstack.references import TOOL, ReferenceSchedule, Target
 from lexstack.robots import Team
 from lexstack.tasks import StackConfig
@@ -60,7 +60,7 @@ OF_ROBOTS: dict[str, tuple[type, Read]] = {
 
 
 class TargetTopics:
-    """Subscriptions to all topics of targets, of every robot and of the frames that stacks name.
+    """Subscriptions to all topics of targets: of every robot, its tools, and frames of stacks.
 
     Attributes:
         schedule: takes every valid target.
@@ -89,15 +89,25 @@ class TargetTopics:
         for robot, name in enumerate(team.names):
             for kind, entry in (OF_FRAMES | OF_ROBOTS).items():
                 self._subscribe(f"/{name}/{kind}", entry, robot, TOOL)
+            for frame in team.robots[robot].config.tools:
+                self._add_frame(robot, frame)
         for stack in stacks:
             self.add_frames(stack)
 
     def add_frames(self, stack: StackConfig) -> None:
         """Subscribe to the topics of the frames that a stack names."""
         for robot, frame in frames_of(stack, self._team):
-            for kind, entry in OF_FRAMES.items():
-                topic = f"/{self._team.names[robot]}/{topic_name(frame)}/{kind}"
-                self._subscribe(topic, entry, robot, frame)
+            self._add_frame(robot, frame)
+
+    def _add_frame(self, robot: int, frame: str) -> None:
+        """Subscribe to the topics of one frame, if the robot has it."""
+        try:
+            self._team.robots[robot].frame(frame)
+        except ModelError:
+            return  # a stack of other robots
+        for kind, entry in OF_FRAMES.items():
+            topic = f"/{self._team.names[robot]}/{topic_name(frame)}/{kind}"
+            self._subscribe(topic, entry, robot, frame)
 
     def see(self, state: RobotState) -> None:
         """Take note of a state of the plant: frames move with it, and targets may wait for it."""

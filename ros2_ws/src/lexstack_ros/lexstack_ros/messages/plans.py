@@ -14,7 +14,6 @@ from lexstack.errors import InputError
 from lexstack.mpc import COLUMNS, Plan, Progress, SequenceTask
 from lexstack.options import shown
 from lexstack.robots import BASE_JOINTS, DRIVE, TOOL, Team, from_rpy, to_quaternion
-from lexstack.robots.team import NO_POSITION
 from lexstack.transition import HeardPlan
 from lexstack.types import RobotState
 from lexstack_interfaces.msg import Sequence, SequenceStatus
@@ -43,7 +42,7 @@ def plan_message(plan: Plan, names: list[str]) -> JointTrajectory:
     inputs = np.concatenate((plan.u, np.zeros((1, plan.u.shape[1]))))
     positions = plan.q
     if plan.q.shape[1] != plan.v.shape[1]:
-        without = np.full((len(plan.q), len(DRIVE)), NO_POSITION)
+        without = np.zeros((len(plan.q), len(DRIVE)))
         positions = np.concatenate((without, plan.q[:, len(BASE_JOINTS) :]), axis=1)
     for k in range(len(plan.q)):
         nanoseconds = round(1e9 * k * plan.step)

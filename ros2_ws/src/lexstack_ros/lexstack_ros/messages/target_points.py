@@ -63,8 +63,8 @@ class Reading:
         return self.team.robots[self.robot]
 
     def begin(self, frame: str) -> Pose | None:
-        """Return where a frame is, if that is known."""
-        if self.state is None:
+        """Return where a frame is, if that is known; the tool has a reference always."""
+        if self.state is None or frame == TOOL:
             return None
         q = self.state.q[self.team.q_slices[self.robot]]
         return self.model.at(q, self.model.frame(frame))[0]

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable
 from functools import partial
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.serialization import deserialize_message
 from rclpy.task import Future
 
 from lexstack.errors import InputError
@@ -44,9 +46,13 @@ class FollowClient:
         self._blend = resolved.scenario.transition.duration
         self._on_answer = on_answer
         self._requested: dict[Future, tuple[Job, bool, float]] = {}
-        self._now: dict[str, str] = {}  # by robot: the stack that it is on or goes to
+        # They come at every tick, and are looked at where a plan or a goal asks: kept as they came.
+        # Of two ticks, and of every robot at most one at a tick.
+        self._statuses: deque[bytes] = deque(maxlen=2 * len(team.names))
         self._client = node.create_client(SwitchStack, "robot_a/switch_stack")
-        node.create_subscription(TransitionStatus, "robot_a/transition", self._on_status, STREAM)
+        node.create_subscription(
+            TransitionStatus, "robot_a/transition", self._hear, STREAM, raw=True
+        )
         # Of these the stacks that users sent: the way back may lead to one of them.
         node.create_subscription(StackRequest, relative(REQUEST), self._on_announced, LATCHED)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
@@ -59,7 +65,16 @@ class FollowClient:
 
     def stack(self, robot: int) -> str:
         """Return the stack that a robot is on, or goes to; '' before the controller was heard."""
-        return self._now.get(self._team.names[robot], "")
+        name = self._team.names[robot]
+        for data in reversed(self._statuses):
+            status = deserialize_message(data, TransitionStatus)
+            if name in status.robots:
+                active = status.phase not in (
+                    TransitionStatus.REQUESTED,
+                    TransitionStatus.PREPARING,
+                )
+                return str(status.to_stack if active else status.from_stack)
+        return ""
 
     def check(self, robot: str) -> None:
         """Raise InputError where a robot has no stack to follow a plan on."""
@@ -109,13 +124,11 @@ class FollowClient:
                 self._client.remove_pending_request(future)
                 self._on_answer(job, back, f"the controller did not answer in {_ANSWER:g} s")
 
+    def _hear(self, data: bytes) -> None:
+        """Keep a status of the controller's transitions."""
+        self._statuses.append(data)
+
     def _on_announced(self, message: StackRequest) -> None:
         """Note the name of a stack that a user sent."""
         if message.stack_yaml:
             self._known.add(message.stack)
-
-    def _on_status(self, message: TransitionStatus) -> None:
-        """Note where robots are."""
-        active = message.phase not in (TransitionStatus.REQUESTED, TransitionStatus.PREPARING)
-        for name in message.robots:
-            self._now[name] = message.to_stack if active else message.from_stack

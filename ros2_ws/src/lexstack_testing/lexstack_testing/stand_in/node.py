@@ -90,10 +90,7 @@ class StandInNode(Node):
         self.create_service(SetBool, f"/{name}/stand_in/stop", partial(self._on_stop, name))
         if config.base is None:
             return
-        if config.base.odometry is not None:
-            self._odometry_out[name] = self.create_publisher(
-                Odometry, config.base.odometry, _STATES
-            )
+        self._odometry_out[name] = self.create_publisher(Odometry, config.base.odometry, _STATES)
         twist = TwistStamped if config.base.type == "twist_stamped" else Twist
         self._hear(twist, config.base.command, partial(self._on_twist, name))
 
