@@ -10,7 +10,6 @@ import contextlib
 import io
 import runpy
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
 
-from lexstack import BaseConfig, Obstacles, Pose, RobotModel, Team
+from lexstack import Obstacles, Pose, Team
 from lexstack_sim.render import Renderer
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -203,20 +202,9 @@ def _rendered(values: Values) -> Any:
         team, stamp = Team((robot.model,), 0.01, Obstacles({})), 0.0
         q = values.get("q", robot.home)
     goals = [value.goal for value in values.values() if isinstance(getattr(value, "goal", 0), Pose)]
-    with Renderer(_seen(team), (480, 420)) as renderer:
+    with Renderer(team, (480, 420)) as renderer:
         renderer.frame([q], goals, azimuth=140.0, elevation=-18.0)
         return renderer.picture(q, dict(zip("abcdef", goals, strict=False)), stamp)
-
-
-def _seen(team: Team) -> Team:
-    """Return the robots on holonomic platforms, which look the same, and have the same q."""
-    robots = tuple(
-        RobotModel(robot.name, replace(robot.config, base=BaseConfig()))
-        if robot.differential
-        else robot
-        for robot in team.robots
-    )
-    return Team(robots, team.dt, team.obstacles)
 
 
 def drawn(name: str) -> Image.Image:

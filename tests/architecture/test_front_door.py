@@ -3,6 +3,7 @@
 import ast
 import importlib
 import inspect
+import os
 import re
 import subprocess
 import sys
@@ -177,3 +178,14 @@ def test_the_check_sees_a_deep_import():
     )
     assert len(deep(tree)) == 2
     assert not deep(ast.parse("from lexstack.limits import Bounds\nimport lexstack_bag.run.reader"))
+
+
+def test_a_user_s_program_has_types():
+    """The checker finds the misspelt argument in it, or the excuse for that would be unused."""
+    program = ROOT / "tests/architecture/typed_program.py"
+    command = [sys.executable, "-m", "mypy", "--config-file", ROOT / "pyproject.toml", program]
+    environment = {**os.environ, "MYPYPATH": str(LIBRARY.parent)}
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, cwd=ROOT, env=environment
+    )
+    assert done.returncode == 0, done.stdout

@@ -48,7 +48,7 @@ SAID = {  # lines of every example
     ],
     "switch_and_preempt": [
         r"accelerations used at most (100|\d\d) % of their limits",
-        r"the base is at \[ ?0\.(4|399) .*\]",
+        r"the base is at \[ ?0\.(40\d|4|39\d) .*\]",
     ],
     "teleoperation": [
         r"at 2 s the hand moves at 0\.150 m/s",

@@ -72,6 +72,30 @@ def test_the_programme_runs_as_it_is_written(my_arm, base):
         assert names["plan"].solved
 
 
+def test_the_documents_show_this_programme():
+    text = (ROOT / "docs/library.md").read_text()
+    for line in PROGRAMME.strip().splitlines()[2:5]:
+        assert line.split("#")[0].strip() in text
+
+
+def test_the_mpc_leads_any_frame_and_joints_of_an_arm_on_a_table():
+    robot = arm()
+    wrist = robot.configuration(robot.home).frame("wrist_1_link").pose
+    goals = [
+        lx.track("wrist_1_link", beside(wrist.position, 0.0, 0.1, 0.0)),
+        lx.track_joints([0.3, 0.2], ("wrist_1_joint", "wrist_2_joint")),
+    ]
+    htmpc, q, v = lx.Htmpc(robot), robot.home, np.zeros(6)
+    for k in range(40):
+        plan = htmpc.solve(robot.configuration(q, v, time=0.1 * k), goals)
+        q, v, _ = plan.sample(0.1 * (k + 1))
+    at = robot.configuration(q).frame("wrist_1_link").pose.position
+    np.testing.assert_allclose(at, goals[0].goal, atol=2e-3)
+    np.testing.assert_allclose(q[3:5], [0.3, 0.2], atol=5e-3)
+    with pytest.raises(lx.InputError, match="has no base"):
+        htmpc.solve(robot.configuration(q), [lx.track_base([1, 0])])
+
+
 def test_all_forms_of_a_pose_are_the_same_target():
     tool, pose = lx.FramePose("tool0"), pin.SE3.Random()
     quaternion = pin.Quaternion(pose.rotation).coeffs()
@@ -325,9 +349,9 @@ def wrong_stacks():
         "mpc frame": (
             lambda: lx.Htmpc(arm(base="holonomic")).solve(
                 arm(base="holonomic").configuration(np.zeros(9)),
-                [lx.track("forearm_link", [1, 0, 1])],
+                [lx.track("foream_link", [1, 0, 1])],
             ),
-            "the MPC leads the robot's tool; build it with tool='forearm_link'",
+            "no frame 'foream_link'; there is: forearm_link",
         ),
         "duration": (
             lambda: lx.Lockstep(arm(), lx.Stack([rest]), dt=0.01).switch(lx.Stack([rest]), 100.0),

@@ -47,6 +47,7 @@ if TYPE_CHECKING:
         solve_hqp,
         track,
         track_base,
+        track_joints,
     )
     from lexstack.control.planning import Htmpc
     from lexstack.control.run import Lockstep
@@ -153,7 +154,8 @@ else:
         __name__,
         {
             "control": "Command Controller ExactPlant HqpController HqpResult Record StackSolver "
-            "Track make_controller make_stack_solver solve_hqp track track_base",
+            "Track make_controller make_stack_solver solve_hqp track track_base "
+            "track_joints",
             "control.planning": "Htmpc",
             "control.run": "Lockstep",
             "errors": "ConfigurationError InputError LexstackError ModelError",
@@ -291,5 +293,6 @@ __all__ = [
     "timed_waypoints",
     "track",
     "track_base",
+    "track_joints",
     "viable_bounds",
 ]

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from lexstack.control.controller import Command, Controller
     from lexstack.control.factory import make_controller, make_stack_solver
     from lexstack.control.lockstep import ExactPlant, Link, Lockstep, Plant
-    from lexstack.control.planning import Track, track, track_base
+    from lexstack.control.planning import Track, track, track_base, track_joints
     from lexstack.control.record import Record
     from lexstack.control.solve import HqpController, HqpResult, solve_hqp
     from lexstack.control.stack_solver import StackSolver, share
@@ -19,7 +19,7 @@ else:
             "controller": "Command Controller",
             "factory": "make_controller make_stack_solver",
             "lockstep": "ExactPlant Link Lockstep Plant",
-            "planning": "Track track track_base",
+            "planning": "Track track track_base track_joints",
             "record": "Record",
             "solve": "HqpController HqpResult solve_hqp",
             "stack_solver": "StackSolver share",
@@ -44,4 +44,5 @@ __all__ = [
     "solve_hqp",
     "track",
     "track_base",
+    "track_joints",
 ]

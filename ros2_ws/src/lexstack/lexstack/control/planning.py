@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 import lexstack.mpc
-from lexstack.errors import InputError, ModelError
+from lexstack.errors import InputError
 from lexstack.mpc import (
     DEFAULT_HTMPC,
     CollisionScene,
     HtmpcConfig,
     Kind,
     Objective,
+    OtherRobot,
     Plan,
     SequenceTask,
     Start,
 )
+from lexstack.references import TOOL
 from lexstack.robots import Configuration, Pose, Robot, RobotModel, to_quaternion
 from lexstack.tasks.specs.goals import is_motion, numbers, pose_from, shape_of
-from lexstack.types import Matrix, Vector
+from lexstack.types import Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,49 +33,57 @@ class Track:
 
     Attributes:
         kind: what is led, see ``Objective``.
-        frame: of the robot; empty for the base.
         goal: numbers as ``Objective`` has them in a row, or a trajectory.
+        frame: which one an end-effector kind moves.
+        joints: of ``joint_positions``; empty: all but the base's.
     """
 
     kind: Kind
-    frame: str
     goal: Any
+    frame: str = TOOL
+    joints: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
         """What the plan's levels call it."""
-        return self.kind + (f"({self.frame})" if self.frame else "")
+        return self.kind + (f"({self.frame})" if self.kind.startswith("ee") else "")
 
-    def reference(self, times: Vector) -> Matrix:
-        """Return the goal at times [s], shape (N, r)."""
-        if not is_motion(self.goal):
-            return np.tile(self.goal, (len(times), 1))
-        return np.array([_row(self.goal.at(float(time))) for time in times])
+    def objective(self, times: Vector) -> Objective:
+        """Return it over a horizon, at times [s] of shape (N,)."""
+        if is_motion(self.goal):
+            rows = np.array([_row(self.goal.at(float(time))) for time in times])
+        else:
+            rows = np.tile(self.goal, (len(times), 1))
+        return Objective(self.name, self.kind, rows, frame=self.frame, joints=self.joints)
 
     def task(self, name: str, **options: Any) -> SequenceTask:
         """Return it as a task of a sequence; ``options`` are those of ``SequenceTask``."""
         if is_motion(self.goal):
             raise InputError(f"task {name!r}: a sequence leads through points, not a trajectory")
-        return SequenceTask(name, self.kind, (tuple(self.goal.tolist()),), **options)
+        named = {"frame": self.frame, "joints": self.joints, **options}
+        return SequenceTask(name, self.kind, (tuple(self.goal.tolist()),), **named)
 
 
 def track(frame: str, goal: Any) -> Track:
-    """Return the goal that leads a frame to a position, or to a pose.
+    """Return the goal that leads a frame to a position, an orientation, or a pose.
 
     Args:
-        frame: of the robot's default tool: its link, or ``tool``.
-        goal: a position (3,) [m], a pose in any form that ``FramePose`` takes, or a trajectory of
-            poses over the time of the configuration; world frame.
+        frame: of the robot: a link or joint of its description, or ``tool``.
+        goal: a position (3,) [m], a quaternion x y z w, a pose in any form that ``FramePose``
+            takes, or a trajectory of poses over the time of the configuration; world frame.
 
     Raises:
         InputError: the goal has another form.
     """
     where = f"track({frame!r})"
     if is_motion(goal):
-        return Track("ee_pose", frame, goal)
+        return Track("ee_pose", goal, frame)
     if shape_of(goal) == (3,):
-        return Track("ee_position", frame, numbers(goal, (3,), where))
-    return Track("ee_pose", frame, _row(pose_from(goal, where)))
+        return Track("ee_position", numbers(goal, (3,), where), frame)
+    if shape_of(goal) == (4,):
+        pose = pose_from((np.zeros(3), goal), where)
+        return Track("ee_orientation", to_quaternion(pose.rotation), frame)
+    return Track("ee_pose", _row(pose_from(goal, where)), frame)
 
 
 def track_base(goal: Any) -> Track:
@@ -85,10 +96,25 @@ def track_base(goal: Any) -> Track:
         InputError: the goal has another form.
     """
     if is_motion(goal):
-        return Track("base_pose", "", goal)
+        return Track("base_pose", goal)
     size = 3 if shape_of(goal) == (3,) else 2
     kind: Kind = "base_pose" if size == 3 else "base_position"
-    return Track(kind, "", numbers(goal, (size,), "track_base"))
+    return Track(kind, numbers(goal, (size,), "track_base"))
+
+
+def track_joints(goal: Any, joints: Sequence[str] = ()) -> Track:
+    """Return the goal that leads joints to positions [rad, m].
+
+    Args:
+        goal: a number for each, or a trajectory of them.
+        joints: their names; empty: all but the base's.
+
+    Raises:
+        InputError: the goal has another form.
+    """
+    size = (len(joints) or int(np.size(goal)),)
+    row = goal if is_motion(goal) else numbers(goal, size, "track_joints")
+    return Track("joint_positions", row, joints=tuple(joints))
 
 
 class Htmpc:
@@ -112,7 +138,7 @@ class Htmpc:
             spheres: places of the spheres that keep distances; None: all.
 
         Raises:
-            ModelError: the robot has no base, or a joint or a sphere that cannot be.
+            ModelError: the robot has a joint or a sphere that cannot be.
         """
         model = robot.model if isinstance(robot, Robot) else robot
         self.optimiser = lexstack.mpc.Htmpc(model, config, spheres)
@@ -120,17 +146,20 @@ class Htmpc:
     def solve(
         self,
         start: Configuration | Start,
-        objectives: list[Track | Objective] | tuple[Track | Objective, ...],
+        objectives: Sequence[Track | Objective],
         before: Plan | None = None,
         around: CollisionScene | None = None,
+        others: Iterable[OtherRobot] = (),
     ) -> Plan:
         """Return the motion over the horizon that serves the goals in their order.
 
         Args:
             start: where the robot is; without a velocity it is at rest.
-            objectives: the most important one first, by ``track`` and ``track_base``.
+            objectives: the most important one first, by ``track``, ``track_base`` and
+                ``track_joints``.
             before: the plan until now: a first guess.
             around: what is in the way.
+            others: other robots, which are avoided where they will be.
 
         Raises:
             InputError: a goal does not fit the robot; what a solver does is in the plan.
@@ -139,27 +168,9 @@ class Htmpc:
             start = Start(start.time, start.q, start.velocity)
         times = start.stamp + self.optimiser.horizon.times[1:]
         levels = tuple(
-            self._objective(each, times) if isinstance(each, Track) else each for each in objectives
+            each.objective(times) if isinstance(each, Track) else each for each in objectives
         )
-        return self.optimiser.solve(start, levels, before, around)
-
-    def _objective(self, track: Track, times: Vector) -> Objective:
-        """Return a goal over the horizon."""
-        if track.frame:
-            check_tool(self.optimiser.robot, track.frame)
-        return Objective(track.name, track.kind, track.reference(times))
-
-
-def check_tool(robot: RobotModel, frame: str) -> None:
-    """Raise InputError for a frame that is not the robot's default tool."""
-    try:
-        own, tool = (robot.pinocchio.frames[robot.frame(name)] for name in (frame, "tool"))
-    except ModelError as error:
-        raise InputError(f"track({frame!r}): {error}") from error
-    if own.parentJoint != tool.parentJoint or not own.placement.isApprox(tool.placement):
-        raise InputError(
-            f"track({frame!r}): the MPC leads the robot's tool; build it with tool={frame!r}"
-        )
+        return self.optimiser.solve(start, levels, before, around, others)
 
 
 def _row(value: Any) -> Vector:

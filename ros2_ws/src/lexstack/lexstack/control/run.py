@@ -79,6 +79,7 @@ class Lockstep(lockstep.Lockstep):
         self.stack = stack
         self._targets = RunTargets(team)
         first = self._known(stack)
+        self._asked = {first}  # the controller knows them
         switch = TransitionConfig(duration=1.0)
         options = TransitionOptions(first, switch, limit_jerk=limit_jerk)
         controller = make_controller(team, self._stacks, options)
@@ -227,8 +228,7 @@ class Lockstep(lockstep.Lockstep):
             duration: of the blend into the plan [s].
 
         Raises:
-            InputError: a task cannot be, or there are several robots and none is named.
-            ModelError: the robot has no base.
+            InputError: a task does not fit the robot, or there are several and none is named.
         """
         if not robot and len(self.team.names) > 1:
             raise InputError(f"sequence: of which robot? {', '.join(self.team.names)}")
@@ -239,7 +239,6 @@ class Lockstep(lockstep.Lockstep):
         planned = known.of(robots)
         name = f"plan of {self.team.names[place]} over {known.name}"
         self._stacks[name] = TeamStack(name, planned.levels, planned.limits, robots, planned=True)
-        self.controller.transition.learn(name)
         return self._switch(name, self.stack, duration, None, "", ())
 
     # ---- inside
@@ -256,9 +255,15 @@ class Lockstep(lockstep.Lockstep):
         """Ask for a known stack; raises InputError where that is refused."""
         tick = 0 if at is None else max(round(at / self.team.dt), self.state.tick)
         transition = self.controller.transition
-        answer = transition.ask(name, duration, method, tick, robots)
+        how = (duration, method, tick, robots)
+        if name in self._asked:
+            answer = transition.ask(name, *how)
+        else:
+            self.solver.learn(self._stacks[name])
+            answer = transition.ask_new(self._stacks[name], *how)
         if answer.request is None:
             raise InputError(f"switch: {answer.message}")
+        self._asked.add(name)
         self.stack = stack
         self._targets.use(name, answer.request.at_tick)
         return answer.request.id
@@ -286,8 +291,6 @@ class Lockstep(lockstep.Lockstep):
         self._kept.append(stack)
         self._stacks[name] = made.stack
         self._targets.know(name, made.aims)
-        if number > 1:
-            self.controller.transition.learn(name)
         return name
 
 

@@ -91,11 +91,6 @@ class Transition:
 
     # ---- what comes in between two ticks
 
-    def learn(self, stack: str) -> None:
-        """Let a stack be asked for that has been put into ``stacks`` since."""
-        robots = self._stacks[stack].robots
-        self._whose[stack] = tuple(range(len(self._team.robots))) if robots is None else robots
-
     def ask(
         self,
         stack: str,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from lexstack.tasks.relative_pose import RelativePoseParameters
 from lexstack.tasks.specs.goals import VectorGoal, is_motion, numbers
 from lexstack.tasks.specs.spec import Targeted, TaskSpec
 from lexstack.tasks.velocity_damping import VelocityDampingParameters
+from lexstack.types import Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,9 @@ class Posture(Targeted[VectorGoal], TaskSpec, PostureParameters):
     """
 
     kind = "posture"
+
+    # As in a file; a program may give an array too, of which a tuple is kept.
+    target: Literal["mid_range"] | tuple[float, ...] | Vector | None = None  # type: ignore[assignment]
 
     def _checked(self, target: Any) -> Any:
         if is_motion(target):
@@ -127,16 +131,22 @@ class Manipulability(TaskSpec, ManipulabilityParameters):
 
 @dataclass(frozen=True, eq=False)
 class RelativePose(TaskSpec, RelativePoseParameters):
-    """Two robots' tools keep their pose to each other, as if they held one box.
+    """Two frames keep their pose to each other: two hands hold one box, or two arms of one robot.
 
     J_b chi - G J_a chi -> sat(gain e), with G the motion of the box's other end: wherever a task
-    below takes one tool, the other one goes along. The pose is the one at the start of a run.
+    below takes frame a, frame b goes along. For two tools without ``pose`` it is the pose at the
+    start of a run.
 
-    pink: ``RelativeFrameTask``; mink: ``RelativeFrameTask``; placo: ``RelativeFrameTask``.
+    pink, mink and placo: ``RelativeFrameTask``.
 
     Attributes:
-        other: name of the robot that holds the box too.
-        gain: K_p [1/s].
+        other: name of the robot of frame b; empty: the same robot.
+        frame: a, of the robot: a link or joint of its description, or ``tool``.
+        other_frame: b, of the other robot.
+        pose: of b in a; None: as their references are to each other.
+        axes: of error, mask and gain: ``world``, ``local`` (those of a), or another frame.
+        mask: which of x, y, z, and of the turns about x, y, z, have a row.
+        gain: K_p [1/s]: a number, six on the diagonal, or six rows of six.
         max_linear: what |gain e| of the position stays below [m/s].
         max_angular: what |gain e| of the orientation stays below [rad/s].
     """
@@ -146,5 +156,5 @@ class RelativePose(TaskSpec, RelativePoseParameters):
     def __post_init__(self) -> None:
         """Check the fields; raises ConfigurationError, and InputError without a robot."""
         super().__post_init__()
-        if not self.robot:
+        if self.other and not self.robot:
             raise InputError("RelativePose: robot: the name of one of the two robots is missing")
