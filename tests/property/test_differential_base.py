@@ -13,7 +13,7 @@ from lexstack.robots import RobotFile
 from lexstack.robots.team import NO_POSITION
 from lexstack.robots.unicycle import arc
 from lexstack.tasks import TASKS
-from lexstack.tasks.feed_forward import drift
+from lexstack.tasks.feed_forward import feed_forward
 from lexstack_config.resolved import load_robot
 from support.differential import DT, driven, random_q
 from support.scenario import CONFIG
@@ -193,11 +193,31 @@ def test_drift_and_curvature_are_the_second_derivatives_along_chi(robot):
                 robot.at(robot.integrate(q, chi, step), place)[1] for step in (STEP, -STEP)
             )
             change = (ahead - behind) @ chi / (2.0 * STEP)  # (d J / dt) chi
-            found = drift(robot.at(q, place)[1], chi, unicycle=True)
+            moving = team.kinematics(lexstack.RobotState(0, 0.0, q, chi, q, chi))
+            name = "tool" if now.frame is None else frame
+            found = -2.0 / team.dt * feed_forward(np.zeros(6), moving, team, 0, name)
             np.testing.assert_allclose(found, change, atol=1e-6)
             axes = np.eye(6)[: now.lower.size] if now.frame is None else now.frame.axes
             expected = -weights @ axes @ change
             np.testing.assert_allclose(chi @ bent @ chi, expected, atol=1e-6)
+
+
+def test_centre_of_mass_bends_as_its_rows_turn_along_chi(robot):
+    team, rng = lexstack.Team((robot,), DT), np.random.default_rng(7)
+    parameters = {"target": [0.3, 0.2, 0.8], "mask": [True, True, True]}
+    task = TASKS["centre_of_mass"](team, 0, parameters, "test")
+    for _ in range(5):
+        q, chi = random_q(robot, rng), rng.normal(size=robot.n)
+        goals = measured(team, q)
+
+        def rows(there, goals=goals):
+            return task.linearise(team.kinematics(team.at_rest(there)), goals)
+
+        ahead, behind = (rows(robot.integrate(q, chi, step)).matrix for step in (STEP, -STEP))
+        weights, bent = rng.normal(size=3), np.zeros((team.n, team.n))
+        add_curvature(bent, rows(q), weights, team.kinematics(team.at_rest(q)), {0: team.slices[0]})
+        change = (ahead - behind) @ chi / (2.0 * STEP)
+        np.testing.assert_allclose(chi @ bent @ chi, -weights @ change, atol=1e-6)
 
 
 def test_the_second_of_two_robots_that_drive_bends_the_pose_between_them(mixed):
