@@ -29,7 +29,12 @@ def available() -> bool:
 
 
 def compiled(function: Function) -> Function:
-    """Return a function compiled for whatever types it is called with by another compiled one."""
+    """Return a function compiled for whatever types it is called with by another compiled one.
+
+    Without numba it stays as it is: the kernel's types are imported where it is not used, too.
+    """
+    if not available():
+        return function
     import numba  # noqa: PLC0415 - half a second, for those alone who use the kernel
 
     return cast("Function", numba.njit(error_model="numpy")(function))
