@@ -135,3 +135,10 @@ def test_a_base_follows_a_path_whose_heading_is_its_own():
             worst = max(worst, np.abs(state.q[:2] - path.at(state.stamp)[:2]).max())
     assert worst < 5e-3
     assert np.abs(state.q[:3] - places[-1]).max() < 5e-3
+
+
+def test_a_path_to_the_side_is_refused_in_one_line():
+    controller, _, _ = loop(MOBILE, {"s": ("base", "velocity_damping")}, "s")
+    path = lexstack.base_spline(np.array([0.0, 2.0]), np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]))
+    with pytest.raises(lexstack.InputError, match="a differential base cannot move to its side"):
+        controller.references.add(lexstack.Target(at=0.0, robot=0, base=path))

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from lexstack.errors import InputError
+from lexstack.references.along_heading import check_along_heading
 from lexstack.references.set_point import SetPoint
 from lexstack.references.taking import taken
 from lexstack.references.timeline import ROUNDING, ReferenceTimeline, Setting
@@ -51,6 +52,7 @@ class ReferenceSchedule:
         self.timeline = ReferenceTimeline(dt)
         self._initial = initial
         self._given: tuple[frozenset[int], frozenset[int]] | None = None
+        self._unicycles: frozenset[int] = frozenset()  # robots whose bases cannot go sideways
         self.lead_in = lead_in
         self._horizon = horizon
         self._coming: dict[tuple[int, str], list[Target]] = defaultdict(list)
@@ -92,6 +94,7 @@ class ReferenceSchedule:
             ),
         )
         schedule = cls(initial, lead_in=lead_in, horizon=horizon, dt=team.dt)
+        schedule._unicycles = frozenset(i for i, r in enumerate(team.robots) if r.differential)
         schedule._given = (
             frozenset(team.index(name) for name in ee),
             frozenset(team.index(name) for name in base),
@@ -132,8 +135,16 @@ class ReferenceSchedule:
         """Take a new target; of two for the same time the later addition wins.
 
         Raises:
-            InputError: its stamp is too far ahead, or its robot has too many targets to come.
+            InputError: its stamp is too far ahead, its robot has too many targets to come, or it is
+                a trajectory on which a differential base would have to move to its side.
         """
+        path = target.base
+        if (
+            target.robot in self._unicycles
+            and path is not None
+            and not isinstance(path, np.ndarray)
+        ):
+            check_along_heading(path, target.at)
         kind = target.kind
         if isinstance(target.ee, Twist) and target.frame != TOOL and not self._placed(target):
             raise InputError(f"{kind}: a twist needs a pose to begin from, give that first")
