@@ -8,7 +8,7 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 
-from lexstack.control.command_in_force import CommandRules
+from lexstack.control import CommandRules
 from lexstack.errors import ConfigurationError, InputError
 from lexstack.robots import Team
 from lexstack.types import RobotState, Vector

@@ -1,6 +1,7 @@
 """The JSON Schemas of configuration files: as the dataclasses say, and as the loader judges."""
 
 import copy
+import dataclasses
 import json
 import re
 import sys
@@ -93,6 +94,7 @@ def test_units_come_from_the_comments_of_the_fields():
     assert margin == {"description": "m, delta_safe", "type": "number", "minimum": 0.0}
 
 
+@dataclasses.dataclass
 class Noted:
     """A class with comments in all places."""
 

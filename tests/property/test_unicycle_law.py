@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from lexstack.robots.spatial import wrap
+from lexstack.robots import wrap
 from lexstack.tasks.unicycle_law import paced, tracking_rates, unicycle_rates
 
 GAIN, DT = 0.7, 0.01  # 1/s, s

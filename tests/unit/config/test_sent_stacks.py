@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from lexstack.control import make_stack_solver
 from lexstack.errors import ConfigurationError
-from lexstack.transition import TransitionConfig, TransitionOptions
-from lexstack.transition.manager import Transition
+from lexstack.transition import Transition, TransitionConfig, TransitionOptions
 from lexstack_bag.run.reader import with_sent
 from lexstack_bag.run.run import StackRequested
 from lexstack_config import sent_stacks

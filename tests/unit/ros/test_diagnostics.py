@@ -11,7 +11,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
 
-from lexstack.control.controller import Command
+from lexstack.control import Command
 from lexstack_ros.intake.delays import Delays
 from lexstack_ros.messages.conversions import to_time
 from lexstack_ros.messages.qos import STREAM

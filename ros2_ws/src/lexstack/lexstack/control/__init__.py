@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
+    from lexstack.control.command_in_force import CommandRules
     from lexstack.control.controller import Command, Controller
     from lexstack.control.factory import make_controller, make_stack_solver
     from lexstack.control.lockstep import ExactPlant, Link, Lockstep, Plant
@@ -16,6 +17,7 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
+            "command_in_force": "CommandRules",
             "controller": "Command Controller",
             "factory": "make_controller make_stack_solver",
             "lockstep": "ExactPlant Link Lockstep Plant",
@@ -28,6 +30,7 @@ else:
 
 __all__ = [
     "Command",
+    "CommandRules",
     "Controller",
     "ExactPlant",
     "HqpController",

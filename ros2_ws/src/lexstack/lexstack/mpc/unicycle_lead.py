@@ -22,7 +22,7 @@ from lexstack.tasks.unicycle_law import paced, tracking_rates
 from lexstack.types import Matrix, Vector
 
 _GAIN = 1.5  # 1/s, of both laws
-_PARTS = 5  # of a stage, in each of which v and w are constant
+_PARTS = 2  # of a stage, in each of which v and w are constant
 # m: nearer than this a position is reached, and the base does not turn any more; below the 3 mm
 # from which on the law for a pose turns to the yaw, so that a level below can do that.
 _THERE = 2.5e-3

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lexstack.limits import JointLimits
-from lexstack.limits.stopping import approach_speed
+from lexstack.limits import JointLimits, approach_speed
 from lexstack.types import Vector
 
 

@@ -8,7 +8,7 @@ from enum import Enum
 
 import numpy as np
 
-from lexstack.control.command_in_force import CommandRules
+from lexstack.control import CommandRules
 from lexstack.errors import InputError
 from lexstack.robots import Team
 from lexstack.types import PlantStatus, RobotState, Vector

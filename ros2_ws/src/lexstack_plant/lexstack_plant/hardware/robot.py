@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lexstack.limits import JointLimits
-from lexstack.limits.joint_limits import LIMITS
+from lexstack.limits import LIMITS, JointLimits
 from lexstack.robots import RobotModel
 from lexstack.types import Vector
 from lexstack_config.plant_file import RobotInterfaceConfig, SafetyConfig

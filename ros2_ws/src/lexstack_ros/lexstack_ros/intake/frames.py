@@ -8,13 +8,12 @@ which are the world, as the plant tells the pose of its base in it (REP-105).
 
 from __future__ import annotations
 
-import importlib
 from functools import partial
-from typing import Any
 
 import numpy as np
 from rclpy.node import Node
 from std_msgs.msg import Header
+from tf2_msgs.msg import TFMessage
 
 from lexstack.errors import InputError, ModelError
 from lexstack.options import shown
@@ -120,16 +119,12 @@ def _upright(place: Vector) -> Pose:
 
 
 def listen(node: Node, transforms: Transforms) -> None:
-    """Subscribe to /tf and /tf_static, where their message is installed."""
-    try:
-        kind = importlib.import_module("tf2_msgs.msg").TFMessage
-    except ImportError:
-        return
+    """Subscribe to /tf and /tf_static."""
     moving, static = (partial(_hear, transforms, static) for static in (False, True))
-    node.create_subscription(kind, "tf", moving, TRANSFORMS)
-    node.create_subscription(kind, "tf_static", static, STATIC_TRANSFORMS)
+    node.create_subscription(TFMessage, "tf", moving, TRANSFORMS)
+    node.create_subscription(TFMessage, "tf_static", static, STATIC_TRANSFORMS)
 
 
-def _hear(transforms: Transforms, static: bool, message: Any) -> None:
+def _hear(transforms: Transforms, static: bool, message: TFMessage) -> None:
     """Take a message of /tf or /tf_static."""
     transforms.hear(message.transforms, static=static)

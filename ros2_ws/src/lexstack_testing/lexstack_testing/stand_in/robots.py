@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from lexstack.limits import JointLimits
-from lexstack.limits.joint_limits import LIMITS
+from lexstack.limits import LIMITS, JointLimits
 from lexstack.robots import RobotModel, Team
 from lexstack.types import Vector
 from lexstack_config.parts import build_team
