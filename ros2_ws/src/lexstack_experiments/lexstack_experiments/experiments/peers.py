@@ -7,9 +7,13 @@ starts, goals, models, period and time, and takes its turn on each reach.
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 
@@ -85,29 +89,15 @@ Runs = dict[tuple[str, str, str], list[Run]]
 
 
 def run_experiment(options: Options) -> Results:
-    """Run all reaches with all laws, in turns, and compare."""
+    """Run all reaches with all laws, in turns, an arm per process, and compare."""
     runs: Runs = {}
     missing: set[str] = set()
-    with warnings.catch_warnings(), no_collection():
-        warnings.simplefilter("ignore")  # pink's, of joints at their limits
-        for place, robot in enumerate(ROBOTS):
-            teams = {ALL: arm(options.config, robot)}
-            teams[VELOCITY] = arm(options.config, robot, free=True)
-            laws: list[tuple[Entry, Law]] = []
-            for entry in ENTRIES:
-                try:
-                    laws.append((entry, entry.make(teams[entry.limits])))
-                except ImportError as error:
-                    missing.add(error.name or str(error))
-            rng = np.random.default_rng([options.seed, place])
-            for number in range(options.cases):
-                reach = random_reach(teams[ALL], rng)
-                for turn in range(len(laws)):
-                    entry, law = laws[(turn + number) % len(laws)]
-                    found = run(law, reach, teams[ALL])
-                    runs.setdefault((robot, *entry.key), []).append(found)
-                if number % 50 == 49:
-                    options.say(f"{robot}: {number + 1} reaches")
+    with ProcessPoolExecutor(min(len(ROBOTS), os.cpu_count() or 1)) as pool:
+        work = partial(_reaches, options.config, options.seed, options.cases)
+        for robot, (found, absent) in zip(ROBOTS, pool.map(work, ROBOTS), strict=True):
+            runs |= found
+            missing |= absent
+            options.say(f"{robot}: {options.cases} reaches")
     draw(options.out / "peers.png", runs, SECONDS)
     return options.results(
         NAME,
@@ -116,6 +106,29 @@ def run_experiment(options: Options) -> Results:
         {"plant": "exact integrator", "seconds": SECONDS, "dt_s": DT, "margin": MARGIN},
         tuple(f"Not installed, so not in the table: {name}." for name in sorted(missing)),
     )
+
+
+def _reaches(config: Path, seed: int, cases: int, robot: str) -> tuple[Runs, set[str]]:
+    """Return the runs of one arm, and which packages are missing."""
+    runs: Runs = {}
+    missing: set[str] = set()
+    teams = {ALL: arm(config, robot), VELOCITY: arm(config, robot, free=True)}
+    laws: list[tuple[Entry, Law]] = []
+    rng = np.random.default_rng([seed, ROBOTS.index(robot)])
+    with warnings.catch_warnings(), no_collection():
+        warnings.simplefilter("ignore")  # pink's, of joints at their limits
+        for entry in ENTRIES:
+            try:
+                laws.append((entry, entry.make(teams[entry.limits])))
+            except ImportError as error:
+                missing.add(error.name or str(error))
+        for number in range(cases):
+            reach = random_reach(teams[ALL], rng)
+            for turn in range(len(laws)):
+                entry, law = laws[(turn + number) % len(laws)]
+                found = run(law, reach, teams[ALL])
+                runs.setdefault((robot, *entry.key), []).append(found)
+    return runs, missing
 
 
 def _row(key: tuple[str, str, str], runs: list[Run]) -> tuple[Cell, ...]:
