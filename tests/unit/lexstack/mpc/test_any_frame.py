@@ -10,6 +10,7 @@ from lexstack.mpc import (
     COLUMNS,
     DEFAULT_HTMPC,
     HT_ARCH,
+    Change,
     Htmpc,
     Objective,
     Reach,
@@ -292,3 +293,19 @@ def test_a_refused_sequence_or_change_changes_nothing():
     with pytest.raises(InputError, match="no frame 'hand'"):
         runner.begin((wrong,), HT_ARCH, state)
     assert runner.sequence is None
+
+
+def test_a_goal_of_joints_moves_while_it_is_under_way_and_keeps_its_length():
+    team = team_of("panda")
+    runner = SequenceRunner(team, 0, DEFAULT_HTMPC)
+    state = RobotState.at_rest(team.home())
+    fold = SequenceTask("fold", "joint_positions", (tuple(team.home()),))
+    runner.begin((fold,), HT_ARCH, state)
+    before = runner.sequence
+    with pytest.raises(InputError, match=r"points\[0\]: expected 7 numbers, one per joint, got 3"):
+        runner.change(Change("retarget", "fold", ((0.1, 0.2, 0.3),)), state)
+    assert runner.sequence is before
+    goal = tuple(team.home() + 0.1)
+    runner.change(Change("retarget", "fold", (goal,)), state)
+    progress = runner.step(state)
+    assert progress.errors == (0.0, pytest.approx(0.1))
