@@ -47,7 +47,6 @@ def test_a_delivery_takes_as_long_as_in_mujoco_alone():
             well(hardware)
         progress = loop.progress("deliver")
         ends.append(next(k for k, each in enumerate(progress) if each.sequence.done))
-    print("deliveries end at plan", ends)
     assert ends[1] == pytest.approx(ends[0], abs=4)  # plans, 20 per second
 
 
