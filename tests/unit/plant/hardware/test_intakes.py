@@ -132,6 +132,13 @@ def test_mapped_stamps_are_never_in_the_future(delays, offset):
         assert clock.local(0.01 * k, received) <= received + 1e-6
 
 
+def test_stamps_of_simulated_time_count_as_they_are():
+    joints = intake(shared=True)
+    joints.hear(JointSample(NAMES, [0.0] * 3, [], 12.0, 10.0))  # /clock is behind by 2 s
+    joints.hear(JointSample(NAMES, [0.0] * 3, [], 12.1, 12.1))
+    assert joints.age(12.1) == pytest.approx(0.0)
+
+
 # ---- platforms
 
 

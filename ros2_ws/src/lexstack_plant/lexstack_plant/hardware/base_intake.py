@@ -65,6 +65,7 @@ class BaseIntake:
         origin: Sequence[float] | None = None,
         frame: str = "",
         twist_in_base: bool = True,
+        shared: bool = False,
     ) -> None:
         """Make the intake of a platform.
 
@@ -74,6 +75,7 @@ class BaseIntake:
             origin: x, y, yaw of the odometry's frame in the world; None: ``place`` says it.
             frame: that messages must name; empty: any.
             twist_in_base: whether twists are along the axes of the base.
+            shared: whether stamps are of the local clock.
         """
         self.q: Vector = np.full(3, np.nan)
         self.v: Vector = np.zeros(3)
@@ -86,7 +88,7 @@ class BaseIntake:
         self._tolerance = tolerance
         self._frame = frame
         self._twist_in_base = twist_in_base
-        self._clock = SenderClock()
+        self._clock = SenderClock(shared=shared)
         self._stamp = -np.inf
 
     def hear(self, sample: BaseSample) -> None:

@@ -9,6 +9,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from lexstack_plant.hardware.messages import seconds_of
+from lexstack_ros.intake.drain import waiting
 from lexstack_ros.messages.qos import STREAM
 
 
@@ -31,7 +32,7 @@ class SimulatedClock:
         """Listen to /clock; ``on_time`` is called whenever the time has changed."""
         self._now = 0.0
         self._on_time = on_time
-        node.create_subscription(Clock, "clock", self._hear, STREAM)
+        self._clock = node.create_subscription(Clock, "clock", self._hear, STREAM)
 
     def now(self) -> float:
         """Return the time [s]; 0 before the first message."""
@@ -43,7 +44,8 @@ class SimulatedClock:
 
     def _hear(self, message: Clock) -> None:
         """Take the time; a simulator that was reset begins again, and its robots are elsewhere."""
-        self._now = seconds_of(message.clock)
+        for newest in (message, *(other for other, _ in waiting(self._clock))):
+            self._now = seconds_of(newest.clock)
         self._on_time()
 
 

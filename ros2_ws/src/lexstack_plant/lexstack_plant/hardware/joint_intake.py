@@ -59,7 +59,13 @@ class JointIntake:
     """
 
     def __init__(
-        self, names: Sequence[str], velocity: Vector, tolerance: float, *, stamps: bool = True
+        self,
+        names: Sequence[str],
+        velocity: Vector,
+        tolerance: float,
+        *,
+        stamps: bool = True,
+        shared: bool = False,
     ) -> None:
         """Make the intake of joints.
 
@@ -68,6 +74,7 @@ class JointIntake:
             velocity: limits, shape (n,), rad/s and m/s.
             tolerance: by which a position may jump beyond what the limits allow [rad, m].
             stamps: whether stamps say when the joints were measured.
+            shared: whether stamps are of the local clock.
         """
         n = len(names)
         self.q: Vector = np.full(n, np.nan)
@@ -79,7 +86,7 @@ class JointIntake:
         self._place = {name: i for i, name in enumerate(names)}
         self._velocity = velocity
         self._tolerance = tolerance
-        self._clock = SenderClock() if stamps else None
+        self._clock = SenderClock(shared=shared) if stamps else None
         self._stamps: Vector = np.full(n, -np.inf)
 
     def hear(self, sample: JointSample) -> None:

@@ -104,7 +104,12 @@ class HardwarePlant:
         watchdog = round(scenario.timeouts.watchdog / self.period)
         self.robots = {
             model.name: HardwareRobot(
-                model, plant.robots[model.name], plant.safety, self.period, watchdog
+                model,
+                plant.robots[model.name],
+                plant.safety,
+                self.period,
+                watchdog,
+                shared=plant.use_sim_time,
             )
             for model in team.robots
         }

@@ -36,8 +36,19 @@ class HardwareRobot:
         safety: SafetyConfig,
         dt: float,
         hold: int,
+        *,
+        shared: bool = False,
     ) -> None:
-        """Make the robot; ``hold`` [ticks] is how long a trajectory goes on alone."""
+        """Make the robot.
+
+        Args:
+            robot: its model.
+            config: its topics.
+            safety: tolerances.
+            dt: control period [s].
+            hold: ticks that a trajectory goes on alone.
+            shared: whether stamps are of the local clock, as in simulated time.
+        """
         self.name = robot.name
         self.config = config
         self._model = robot
@@ -52,6 +63,7 @@ class HardwareRobot:
             velocity[robot.arm],
             safety.position,
             stamps=config.joint_states.stamps,
+            shared=shared,
         )
         self.base: BaseIntake | None = None
         if config.base is not None:
@@ -61,6 +73,7 @@ class HardwareRobot:
                 origin=config.base.origin,
                 frame=config.base.frame,
                 twist_in_base=config.base.twist_axes == "base",
+                shared=shared,
             )
         self.output = ArmOutput(config.arm, _part(robot.limits, robot.arm), dt, hold)
         self.effort: EffortLoop | None = None

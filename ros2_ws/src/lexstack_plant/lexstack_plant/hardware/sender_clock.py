@@ -15,14 +15,21 @@ class SenderClock:
     transport, so a late message has its true age, and jitter of the transport has no effect.
     """
 
-    def __init__(self) -> None:
-        """Begin without messages."""
+    def __init__(self, *, shared: bool = False) -> None:
+        """Begin without messages; ``shared``: stamps are of our own clock, as in simulated time.
+
+        There the time that we know may lag behind the stamps, and then a least delay would be
+        wrong by that for as long as the window lasts.
+        """
+        self._shared = shared
         # Differences in increasing order, with the times at which they came: the first is the
         # least one of the window, the others those that will be the least once it is over.
         self._least: deque[tuple[float, float]] = deque()
 
     def local(self, stamp: float, received: float) -> float:
-        """Return when a message was stamped [s], by the local clock; at most ``received``."""
+        """Return when a message was stamped [s], by the local clock."""
+        if self._shared:
+            return stamp
         difference = received - stamp
         while self._least and self._least[-1][1] >= difference:
             self._least.pop()
