@@ -61,7 +61,7 @@ class StandInNode(Node):
         self._file = load_plant(path)
         check_plant(self._file, resolved, str(path))
         chosen, simulated = parse_habits(habits), self._file.use_sim_time
-        self._clock_out = self.create_publisher(Clock, "/clock", _STATES) if simulated else None
+        self._clock_out = self.create_publisher(Clock, "clock", _STATES) if simulated else None
         now = 1.0 if simulated else time()
         self.robots = StandIn(resolved, self._file, chosen, now, resolved.scenario.seed)
         self._told: dict[str, str] = {}
@@ -87,7 +87,7 @@ class StandInNode(Node):
         if config.arm.type == "joint_trajectory":
             kind, take = JointTrajectory, self._on_trajectory
         self._hear(kind, config.arm.command, partial(take, name))
-        self.create_service(SetBool, f"/{name}/stand_in/stop", partial(self._on_stop, name))
+        self.create_service(SetBool, f"{name}/stand_in/stop", partial(self._on_stop, name))
         if config.base is None:
             return
         self._odometry_out[name] = self.create_publisher(Odometry, config.base.odometry, _STATES)
