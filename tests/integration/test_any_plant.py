@@ -36,9 +36,12 @@ def scenario_of(name: str, rng: np.random.Generator) -> ResolvedScenario:
     found = ResolvedScenario(scenario, robots, stacks)
     team = build_team(found)
     (robot,), limits = team.robots, team.limits
-    q = robot.home(place.base)
+    nearby, arm = robot.home(place.base), robot.arm
     span = np.where(robot.prismatic, 0.02, 0.15) * rng.choice([-1.0, 1.0], robot.n)
-    nearby = np.clip(q + span, limits.position_lower + 1e-3, limits.position_upper - 1e-3)
+    lower, upper = limits.position_lower[arm] + 1e-3, limits.position_upper[arm] - 1e-3
+    nearby[robot.arm_q] = np.clip(nearby[robot.arm_q] + span[arm], lower, upper)
+    if robot.has_base and not robot.differential:
+        nearby[robot.base_q] += span[robot.base]
     pose = robot.tool(nearby)[0]
     quaternion = tuple(to_quaternion(pose.rotation).tolist())
     target = PoseConfig(tuple(pose.position.tolist()), quaternion)

@@ -42,7 +42,7 @@ class Node:
         self.listeners, self.said = {}, []
 
     def create_subscription(self, kind, topic, take, _qos):
-        self.listeners[topic] = kind, take
+        self.listeners[f"/{topic}"] = kind, take  # relative, in no namespace
 
     def get_logger(self):
         return self

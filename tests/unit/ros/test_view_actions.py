@@ -63,11 +63,11 @@ class Node:
         self.clients, self.sent = {}, {}
 
     def create_client(self, _kind, name):
-        return self.clients.setdefault(name, Client(name))
+        return self.clients.setdefault(f"/{name}", Client(f"/{name}"))  # in no namespace
 
     def create_publisher(self, _kind, topic, _qos):
-        self.sent[topic] = []
-        return SimpleNamespace(publish=self.sent[topic].append)
+        self.sent[f"/{topic}"] = []
+        return SimpleNamespace(publish=self.sent[f"/{topic}"].append)
 
 
 @pytest.fixture

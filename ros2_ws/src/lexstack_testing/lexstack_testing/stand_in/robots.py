@@ -96,7 +96,7 @@ class StandIn:
         self.team = build_team(fast)
         self._effort = [name for name in self.team.names if plant.robots[name].arm.type == "effort"]
         self._held: dict[str, Vector] = {}
-        self.plant = Plant(fast, self.team, seed, self._loop)
+        self.plant = Plant(fast, self.team, seed, loop=self._loop)
         self.time = now
         self.habits = habits
         self._state = self.plant.state()
