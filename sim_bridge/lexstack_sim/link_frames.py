@@ -67,7 +67,7 @@ class LinkFrames:
         self._robot = robot
         self._following = following(robot)
         mimics = [robot.pinocchio.names[1 + row] for row in self._following]
-        places = {name: i for i, name in enumerate((*robot.joints, *mimics))}
+        places = {name: i for i, name in enumerate((*robot.coordinates, *mimics))}
         locked = robot.config.arm.fixed
         joints = ET.fromstring(robot_urdf(robot)).findall("joint")  # noqa: S314 - our own
         moving = [each for each in joints if each.get("name") in places]

@@ -20,6 +20,8 @@ TWELVE = (
     *("panda", "ur5", "ur10", "xarm7", "so101", "z1", "kinova"),
     *("tiago", "tiago_dual", "baxter", "pr2", "g1"),
 )
+SEEDS = {"tiago": 7}
+"""Of the target, 5 for the others: with that, TIAGo's hand would have to go through its own base."""
 REACHED = 5.0  # s after which the target is reached, and the switch begins
 STACKS = ("track", "posture")
 
@@ -52,7 +54,7 @@ def scenario_of(name: str, rng: np.random.Generator) -> ResolvedScenario:
 
 @pytest.mark.parametrize("name", TWELVE)
 def test_a_robot_reaches_a_pose_and_switches_smoothly_within_its_limits(name):
-    scenario = scenario_of(name, np.random.default_rng(5))
+    scenario = scenario_of(name, np.random.default_rng(SEEDS.get(name, 5)))
     loop = Loop(scenario)
     plant, team = loop.plant, loop.parts.team
     (robot,), limits = team.robots, team.limits
@@ -81,7 +83,7 @@ def test_a_robot_reaches_a_pose_and_switches_smoothly_within_its_limits(name):
 
 @pytest.mark.parametrize("name", TWELVE)
 def test_a_robot_holds_still_where_it_starts(name):
-    scenario = scenario_of(name, np.random.default_rng(5))
+    scenario = scenario_of(name, np.random.default_rng(SEEDS.get(name, 5)))
     plant = Plant(scenario, Parts.of(scenario).team)
     start, still = plant.state(), np.zeros(plant.team.n)
     for _ in range(100):

@@ -73,9 +73,9 @@ def hostile_kind(maker):
             pose = types["geometry_msgs/msg/Pose"](point, turn)
             task = types["lexstack_interfaces/msg/SequenceTask"](
                 ALL + "goal",
-                "base_position",
+                "ee_position",
                 ALL,
-                [ALL],
+                [],
                 [pose],
                 np.zeros(0),
                 0.0,
@@ -95,7 +95,7 @@ def hostile_kind(maker):
                 event="begin",
                 changed=ALL,
                 tasks=[task],
-                coordinates=np.array([1.0, 0.5]),
+                coordinates=np.array([1.0, 0.5, 0.0]),
                 index=0,
                 released=[ALL],
             )

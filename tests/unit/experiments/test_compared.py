@@ -30,9 +30,9 @@ print(*SOLVERS, "scipy.optimize" in sys.modules)
     )
     own = "bridge bridge_jerk t37 t34 t34_limited"
     assert done.stdout.splitlines() == [
-        f"{own} daqp proxqp",
+        f"{own} kernel daqp proxqp",
         f"{own} instant instant_limited interpolation activation weights",
-        "daqp proxqp quadprog oracle False",
+        "kernel daqp proxqp quadprog oracle False",
     ]
 
 

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from lexstack_bringup.processes import MODULES, RECORDER
+from lexstack_bringup.processes import ADAPTER, MODULES, RECORDER
 from lexstack_config.resolved import load_scenario
 from support.scenario import CONFIG
 
@@ -17,7 +17,10 @@ NOT_TO_BE_LOADED = {
     **dict.fromkeys(MODULES, (*SLOW, "casadi")),
     "htmpc": (*SLOW, "lexstack_sim"),  # casadi generates its kinematics
     # numba loads scipy.linalg for its own linear algebra, whether the kernel has any or not.
-    **dict.fromkeys(("hqp_controller", "stack_solver"), (*SLOW[1:], "casadi")),
+    **dict.fromkeys(
+        ("hqp_controller", "stack_solver"),
+        (*(name for name in SLOW if name != "scipy.linalg"), "casadi"),
+    ),
     RECORDER: (*SLOW, "casadi", "pinocchio", "lexstack_bag.run.reader"),
 }
 LOADED = {"sim_bridge": "mujoco", "hqp_controller": "pinocchio", "stack_solver": "daqp"}
@@ -69,6 +72,8 @@ def test_a_node_is_made_without_modules_that_are_slow_to_load(tmp_path, node):
     path = tmp_path / "scenario.yaml"
     path.write_text(load_scenario(SCENARIO).to_yaml(), encoding="utf-8")
     given = ["-p", f"scenario:={path}"]
+    if node == ADAPTER:
+        given += ["-p", f"plant:={CONFIG / 'plants/two_pandas.yaml'}"]
     if node == RECORDER:
         given += ["-p", f"output:={tmp_path / 'bag'}"]
     done = subprocess.run(

@@ -21,6 +21,7 @@ from lexstack_config.resolved import ResolvedScenario
 from lexstack_config.scenario import EventConfig
 from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_interfaces.srv import SwitchStack
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.node.calls import answer_of, let_be_known, not_taken, wait_until
 from lexstack_ros.node.readiness import is_connected
@@ -72,7 +73,7 @@ class Player(Node):
         starts = ["sim_bridge/pause"]
         if not simulated:
             starts = [f"{name}/enable" for name in resolved.scenario.robots]
-        self._starts = {name: self.create_client(SetBool, name) for name in starts}
+        self._starts = {name: self.create_client(SetBool, relative(name)) for name in starts}
         self._simulated, self._enable = simulated, enable
         self._ran = False  # whether ticks have begun
         plans = resolved.scenario.plans
