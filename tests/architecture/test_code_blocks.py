@@ -22,6 +22,7 @@ from lexstack.tasks import StackConfig
 from lexstack_bringup.hosts import SERVER, load_hosts
 from lexstack_bringup.player import PLAYER
 from lexstack_bringup.processes import NODES, PLANNERS
+from lexstack_config.plant_file import PlantFile
 from lexstack_config.reader import build, parse_yaml
 from lexstack_config.scenario import ScenarioConfig
 from lexstack_experiments.benches import BENCHES
@@ -190,6 +191,8 @@ def check_yaml(text, where):
         build(ScenarioConfig, data, where)
     elif "levels" in data:
         build(StackConfig, data, where)
+    elif "joint_states" in next(iter(data.get("robots", {"": {}}).values())):
+        build(PlantFile, data, where)
     elif "arm" in data:
         build(RobotFile, data, where)
     elif set(data) == {"obstacles"}:

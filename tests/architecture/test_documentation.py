@@ -209,7 +209,7 @@ def endpoints():
     """Return name -> type of every topic, service and action in the code; {..}: any name."""
     pattern = re.compile(
         r"(?:create_(?:publisher|subscription|service)\(|Server\(\s*self,)"  # or of an action
-        r"\s*(\w+),\s*(?:f?\"([^\"]+)\"|(\w+))"
+        r"\s*(\w+),\s*(?:f?\"([^\"]+)\"|(?:relative\()?(\w+))"
     )
     found = {}
     calls = [(module, call) for module in modules() for call in pattern.findall(module)]
@@ -220,7 +220,9 @@ def endpoints():
         defined = re.compile(rf"\b{variable} = f?\"(/[^\"]+)\"")
         where = packages() if variable.isupper() else code  # constants may be another module's
         values = [literal] if literal else defined.findall(where)
-        found |= {name.replace("~", "/sim_bridge"): kind for name in values if "/" in name}
+        names = [name.replace("~", "/sim_bridge") for name in values]
+        # Relative ones are those of a run in no namespace.
+        found |= {f"/{name.removeprefix('/')}": kind for name in names if name[0] not in ".$"}
     targets = next(code for code in modules() if "OF_FRAMES: dict" in code)
     kinds = re.findall(r'^    "(\w+)": \((\w+), \w+\),$', targets, flags=re.MULTILINE)
     found = {name: kind for name, kind in found.items() if not name.endswith("/{kind}")}

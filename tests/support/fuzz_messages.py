@@ -203,6 +203,7 @@ def good_target(kind: Any) -> Any:
         poses = [good(PoseStamped) for _ in range(3)]
         for k, pose in enumerate(poses):
             pose.header.stamp.sec, pose.pose.position.x = k + 1, 0.2 * k
+            pose.header.frame_id = ""  # the path's
         return Path(poses=poses)
     message, joints = kind(), team().robots[0].joints[3:]
     for k in range(2):
