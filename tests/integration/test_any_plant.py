@@ -21,7 +21,7 @@ TWELVE = (
     *("tiago", "tiago_dual", "baxter", "pr2", "g1"),
 )
 SEEDS = {"tiago": 6}
-"""Of the target, 5 for the others: with that, TIAGo's hand would have to go through its own base."""
+"""Of the targets, 5 for the others: there TIAGo's hand would have to go through its own base."""
 REACHED = 5.0  # s after which the target is reached, and the switch begins
 STACKS = ("track", "posture")
 
