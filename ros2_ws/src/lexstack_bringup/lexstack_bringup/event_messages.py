@@ -94,7 +94,7 @@ def _twist(config: TwistEventConfig, at: float) -> TwistStamped:
     """Return a twist as a message."""
     twist = Twist()
     for part, values in ((twist.linear, config.linear), (twist.angular, config.angular)):
-        part.x, part.y, part.z = values
+        part.x, part.y, part.z = map(float, values)  # files may have integers
     return stamped(TwistStamped(twist=twist), at)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from rclpy.context import Context
 
 from lexstack_bringup.player import PLAYER, Player
-from lexstack_bringup.processes import arguments_of, bring_up, nodes_of
+from lexstack_bringup.processes import ADAPTER, arguments_of, bring_up, nodes_of
 from lexstack_bringup.real_plant import RealPlant
 from lexstack_config.resolved import ResolvedScenario
 from lexstack_ros.node.readiness import READY
@@ -52,8 +52,8 @@ class HardwareRun(ApartRun):
         module = "lexstack_testing.stand_in.node"
         self.supervisor.start(STAND_IN, module, arguments_of(STAND_IN, given))
         self.supervisor.wait_printed([STAND_IN], READY, _READY)
-        given = {"peers": [PLAYER], "plant": self.real.path}
-        bring_up(self.supervisor, self.path, self.bags[0], **given)
+        more = {ADAPTER: {"plant": str(self.real.path)}}
+        bring_up(self.supervisor, self.path, self.bags[0], peers=[PLAYER], more=more)
         self._connect([self.player], nodes_of(self.resolved.scenario, simulated=False))
 
 
