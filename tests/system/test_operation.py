@@ -24,7 +24,14 @@ from support.runs import short_scenario
 pytestmark = [pytest.mark.system, pytest.mark.realtime]
 ROBOTS = ("robot_a", "robot_b")
 TOOLS = [f"/{r}/{t}" for r in ROBOTS for t in ("joint_states", "ee_pose", "odom")]
-TARGETS = [f"/{r}/{t}" for r in ROBOTS for t in ("ee_target", "base_target")]
+TARGETS = [
+    f"/{r}/{t}"
+    for r in ROBOTS
+    for t in (
+        *("ee_target", "ee_twist", "ee_trajectory", "base_target", "base_path"),
+        "posture_trajectory",
+    )
+]
 REFERENCES = [f"/{r}/{t}" for r in ROBOTS for t in ("ee_reference", "base_reference")]
 ALWAYS = {"/rosout", "/parameter_events", "/diagnostics"}
 PUBLISHES = {
@@ -44,7 +51,7 @@ HEARS = {
     "sim_bridge": {"/robot_a/chi"},
     "hqp_controller": {
         *("/plant/state", "/robot_b/chi", "/htmpc/plan", "/robot_a/request_stack"),
-        *("/diagnostics", "/robot_b/references", *TARGETS),
+        *("/diagnostics", "/robot_b/references", "/tf", "/tf_static", *TARGETS),
     },
     "stack_solver": {"/plant/state", "/robot_a/stack_request", "/robot_a/references"},
 }
