@@ -170,10 +170,14 @@ def test_a_controller_that_starts_again_goes_on_with_the_last_references(tmp_pat
     scenario = short_scenario(mode="realtime", events=(), duration=600.0, base_target={})
     with apart(scenario, tmp_path) as run:
         user = Sender(run)
+        kept = user.hear(References, "/robot_b/references", [], LATCHED)
         before = len(user.decisions)
         user.send(moved(team().tools(home())[0], 0.03, 0.0), 0)
         user.until(lambda: len(user.decisions) > before)
         last = user.decisions[-1]
+        # The controller writes to one reader after the other: killed in between, the user has the
+        # decision and the solver has not.
+        user.until(lambda: kept and list(kept[-1].ee) == list(last.ee))
         run.send("hqp_controller", signal.SIGKILL)
         run.start("hqp_controller")
         user.until(lambda: user.decisions[-1].sender != last.sender)
