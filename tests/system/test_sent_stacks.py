@@ -29,6 +29,11 @@ levels:
 limits:
   robot_b: {panda_joint1: {velocity: 0.5}}
 """
+FRAMED = """
+name: elbow
+description: A frame that no file names.
+levels: [{tasks: [{type: frame_position, robot: robot_a, parameters: {frame: panda_link5}}]}]
+"""
 REFUSED = {
     "another stack already": INSERTED.replace("look_and_reach", "track"),
     "unknown task 'dance'": INSERTED.replace("look_and", "x").replace("type: base", "type: dance"),
@@ -42,7 +47,7 @@ def recorded(tmp_path_factory):
     out = tmp_path_factory.mktemp("recorded")
     first = short_scenario().scenario.events[0]
     events = (replace(first, base_target={"robot_a": (0.1, -0.3, 0.4)}),)
-    answers = []
+    answers, topics = [], set()
     with together(short_scenario(duration=6.0, events=events), out) as run:
         client = run.player.create_client(SwitchStack, "/robot_a/switch_stack")
 
@@ -61,9 +66,13 @@ def recorded(tmp_path_factory):
             elif len(answers) == 4 and run.player.tick > 350:
                 ask(stack="track", duration=0.5)
                 ask(stack="look_and_reach", duration=0.5, at_tick=480)  # by its name now
+                ask(stack_yaml=FRAMED, at_tick=5000)  # long after the end
+            heard = run.player.get_subscriber_names_and_types_by_node("hqp_controller", "/")
+            topics.update(name for name, _ in heard)
 
         run.play(watch)
         assert run.end() == []
+    assert "/robot_a/panda_link5/ee_target" in topics, "a frame of a sent stack has its topics"
     return out, [answer.result() for answer in answers]
 
 
@@ -73,7 +82,7 @@ def test_a_text_is_accepted_or_refused_with_the_key(recorded):
         assert not answer.accepted
         assert answer.message.startswith("stack_yaml: ")
         assert reason in answer.message
-    assert [answer.accepted for answer in answers[3:]] == [True, True, True]
+    assert [answer.accepted for answer in answers[3:]] == [True] * 4
     assert "to 'look_and_reach' starts at tick" in answers[3].message
 
 
