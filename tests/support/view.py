@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from threading import Event, Thread
 
 import msgspec
@@ -13,7 +14,11 @@ from viser._messages import ViewerCameraMessage
 from websockets.sync.client import connect
 
 from lexstack.robots import Team
+from lexstack.types import PlantStatus
+from lexstack_config.parts import build_references
 from lexstack_ros.view.page.scene import FIELD, camera_for
+from lexstack_ros.view.picture import Picture
+from support.scenario import home, resolved, team
 
 _PATIENCE = 40.0  # s
 _STEPS = 12  # of a drag
@@ -183,3 +188,26 @@ def watching(url: str, origin: str = ""):
         finally:
             stop.set()
             thread.join()
+
+
+def picture(time=0.0, **values):
+    """Return a picture of the default scenario at home, its goals where the tools are."""
+    references = build_references(resolved(), team()).at(0.0)
+    goals = replace(references, ee=team().tools(home()), base=tuple(team().base_poses(home())))
+    one = Picture(
+        time=time,
+        tick=round(100 * time),
+        q=home(),
+        plant=PlantStatus.FOLLOWING,
+        stack="track",
+        phase="idle",
+        alpha=0.5,
+        source="",
+        reason="",
+        levels=(0.1, 0.01),
+        solve={"robot_a": 0.4},
+        references=goals,
+        goals=goals,
+        obstacles=team().obstacles.at(time),
+    )
+    return replace(one, **values)

@@ -11,42 +11,18 @@ import pytest
 
 from lexstack.robots import RobotModel, Team
 from lexstack.types import PlantStatus
-from lexstack_config.parts import build_references, build_team, home_of
+from lexstack_config.parts import build_team, home_of
 from lexstack_ros.view.orders import BaseTarget, Cancel, Known, Pause, Switch, ToolTarget
 from lexstack_ros.view.page import targets
 from lexstack_ros.view.page.live import LivePage
-from lexstack_ros.view.picture import Picture
 from support.browser import Browser
 from support.hostile import ALL, assert_harmless, shown
 from support.scenario import home, resolved, team
-from support.view import LivePageUser
+from support.view import LivePageUser, picture
 
 STACKS = ("posture", "track")
 RETURN = 1.6  # s, after which a gizmo goes back to the goal
 EVERYTHING = {"switch", "push", "plant", "sequences"}
-
-
-def picture(time=0.0, **values):
-    """Return a picture of the default scenario at home, its goals where the tools are."""
-    references = build_references(resolved(), team()).at(0.0)
-    goals = replace(references, ee=team().tools(home()), base=tuple(team().base_poses(home())))
-    one = Picture(
-        time=time,
-        tick=round(100 * time),
-        q=home(),
-        plant=PlantStatus.FOLLOWING,
-        stack="track",
-        phase="idle",
-        alpha=0.5,
-        source="",
-        reason="",
-        levels=(0.1, 0.01),
-        solve={"robot_a": 0.4},
-        references=goals,
-        goals=goals,
-        obstacles=team().obstacles.at(time),
-    )
-    return replace(one, **values)
 
 
 class Shown:

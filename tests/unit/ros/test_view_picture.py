@@ -2,40 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from lexstack.types import PlantStatus
-from lexstack_config.parts import build_references
-from lexstack_ros.view.picture import WINDOW, History, Picture
-from support.scenario import home, resolved, team
-
-
-def picture(time, **values):
-    references = build_references(resolved(), team()).at(0.0)
-    one = Picture(
-        time=time,
-        tick=round(100 * time),
-        q=home(),
-        plant=PlantStatus.FOLLOWING,
-        stack="track",
-        phase="idle",
-        alpha=0.5,
-        source="",
-        reason="",
-        levels=(0.1,),
-        solve={"robot_a": 0.4},
-        references=references,
-        goals=references,
-        obstacles=team().obstacles.at(time),
-    )
-    return replace(one, **values)
+from lexstack_ros.view.picture import WINDOW, History
+from support.view import picture
 
 
 def test_curves_have_a_gap_where_a_level_or_a_solve_is_missing():
     history = History()
-    history.add(picture(1.0))
+    history.add(picture(1.0, levels=(0.1,)))
     history.add(picture(1.1, levels=(0.2, 0.3), solve={"robot_b": 0.6}, alpha=1.0))
     found = history.curves()
     assert found.time.tolist() == [1.0, 1.1]
