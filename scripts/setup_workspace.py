@@ -104,7 +104,7 @@ class Setup:
                 *colcon, "--symlink-install", *skip, *show, "--cmake-args", *cmake, cwd=workspace
             )
             library = workspace / "src/lexstack"
-            steps.run(self._python, "-m", "lexstack.hqp.kernel", cwd=library)
+            steps.run(self._python, "-m", "lexstack.compiled", cwd=library)
             script = environment.shell_script(ROOT, self._ros, f"python{VERSION}")
             (self._venv / "environment.sh").write_text(script)
         self._workspace.write()

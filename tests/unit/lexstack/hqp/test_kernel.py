@@ -7,8 +7,8 @@ import sys
 import numpy as np
 import pytest
 
+from lexstack import compiled
 from lexstack.hqp import DaqpCascade, HqpProblem, KernelSolver
-from lexstack.hqp.kernel import compiled
 from lexstack.hqp.kernel import solver as module
 from lexstack.hqp.kernel.exchange import solve
 from lexstack.limits import Bounds
@@ -94,7 +94,8 @@ def test_without_numba_the_cascade_solves_and_it_is_told(monkeypatch):
 
 def test_another_source_is_another_folder(monkeypatch, tmp_path):
     first = compiled.folder()
-    (tmp_path / "lq.py").write_text("# another kernel\n", encoding="utf-8")
+    (tmp_path / "kernel").mkdir()
+    (tmp_path / "kernel/lq.py").write_text("# another kernel\n", encoding="utf-8")
     monkeypatch.setattr(compiled, "HERE", tmp_path)
     other = compiled.folder.__wrapped__()
     assert other.name != first.name

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from lexstack.hqp.kernel.compiled import compiled, entry
+from lexstack.compiled import compiled, entry
 from lexstack.hqp.kernel.guess import forces, hold, point, release
 from lexstack.hqp.kernel.usable import deciding_levels, usable
 from lexstack.hqp.kernel.values import (

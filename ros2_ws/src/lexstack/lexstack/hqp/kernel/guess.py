@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from lexstack.hqp.kernel.compiled import compiled
+from lexstack.compiled import compiled
 from lexstack.hqp.kernel.lq import factorise, multipliers, settle, turned_back
 from lexstack.hqp.kernel.values import ROUNDING, ZERO, Box, Factors, Guess, Rows, length_of
 from lexstack.types import Matrix, Vector

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from lexstack.hqp.kernel.compiled import compiled
+from lexstack.compiled import compiled
 from lexstack.hqp.kernel.values import RANK, Factors
 from lexstack.types import Vector
 

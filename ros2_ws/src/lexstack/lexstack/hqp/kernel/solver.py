@@ -9,9 +9,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from lexstack.compiled import available
 from lexstack.errors import InputError
 from lexstack.hqp.backends.daqp import DaqpCascade
-from lexstack.hqp.kernel.compiled import available
 from lexstack.hqp.kernel.values import Flags, Places, Signs
 from lexstack.hqp.problem import HqpProblem, HqpSolver, Solution, Status
 from lexstack.types import LinearTask

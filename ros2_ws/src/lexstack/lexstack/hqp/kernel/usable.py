@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lexstack.hqp.kernel.compiled import compiled
+from lexstack.compiled import compiled
 from lexstack.hqp.kernel.values import Flags, Rows
 from lexstack.types import Vector
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.hqp.kernel.compiled import compiled
+from lexstack.compiled import compiled
 from lexstack.types import Matrix, Vector
 
 Places = NDArray[np.int64]

@@ -1,4 +1,6 @@
-"""How the kernel is compiled: by numba where it is there, once for each version of its source.
+"""How kernels are compiled: by numba where it is there, once for each version of their source.
+
+A kernel is a folder of that name; ``python -m lexstack.compiled`` compiles all, as the set-up does.
 
 No ``fastmath``: sums keep their order, so runs, processes and processors agree to the bit. With
 ``NUMBA_DISABLE_JIT=1`` the same loops run as Python, for coverage and for reading along.
@@ -10,8 +12,11 @@ So what is kept lies in a folder that is named after the contents of all of them
 from __future__ import annotations
 
 import hashlib
+import importlib
 import os
+import sys
 import tempfile
+import time
 from collections.abc import Callable
 from functools import cache
 from importlib.util import find_spec
@@ -24,18 +29,18 @@ HERE = Path(__file__).parent
 
 
 def available() -> bool:
-    """Return whether the kernel can be compiled: whether numba is installed."""
+    """Return whether kernels can be compiled: whether numba is installed."""
     return find_spec("numba") is not None
 
 
 def compiled(function: Function) -> Function:
     """Return a function compiled for whatever types it is called with by another compiled one.
 
-    Without numba it stays as it is: the kernel's types are imported where it is not used, too.
+    Without numba it stays as it is: a kernel's types are imported where it is not used, too.
     """
     if not available():
         return function
-    import numba  # noqa: PLC0415 - half a second, for those alone who use the kernel
+    import numba  # noqa: PLC0415 - half a second, for those alone who use a kernel
 
     return cast("Function", numba.njit(error_model="numpy")(function))
 
@@ -65,9 +70,9 @@ def entry(signature: str) -> Callable[[Function], Function]:
 
 @cache
 def folder() -> Path:
-    """Return where this version of the kernel is kept: beside it, else in the user's cache."""
-    contents = b"".join(path.read_bytes() for path in sorted(HERE.glob("*.py")))
-    name = f"kernel-{hashlib.sha256(contents).hexdigest()[:16]}"
+    """Return where this version of all kernels is kept: beside them, else in the user's cache."""
+    contents = b"".join(path.read_bytes() for path in [Path(__file__), *_sources()])
+    name = f"kernels-{hashlib.sha256(contents).hexdigest()[:16]}"
     homes = (
         HERE / "__pycache__",
         Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "lexstack",
@@ -76,3 +81,25 @@ def folder() -> Path:
         if os.access(home if home.exists() else home.parent, os.W_OK):
             return home / name
     return Path(tempfile.gettempdir()) / f"lexstack-{os.getuid()}" / name
+
+
+def _sources() -> list[Path]:
+    return sorted(HERE.glob("**/kernel/*.py"))
+
+
+def main() -> int:
+    """Compile what is not compiled yet; return the exit code."""
+    if not available():
+        print("numba is not installed: lexstack works without kernels, more slowly")
+        return 0
+    start = time.perf_counter()
+    for path in _sources():
+        importlib.import_module(
+            ".".join(("lexstack", *path.relative_to(HERE).with_suffix("").parts))
+        )
+    print(f"the kernels are compiled ({time.perf_counter() - start:.1f} s): {folder().name}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
