@@ -15,6 +15,7 @@ from lexstack_config.json_schema import json_schema
 from lexstack_config.plant_file import PlantFile
 from lexstack_config.scenario import ScenarioConfig
 from lexstack_experiments.baselines.htidkc import HtidkcConfig
+from lexstack_experiments.sweeps.sweep_file import SweepFile
 
 CONFIG = Path(__file__).resolve().parent.parent / "config"
 KINDS = {
@@ -25,6 +26,7 @@ KINDS = {
     "htmpc/baselines": HtidkcConfig,
     "hosts": HostsConfig,
     "plants": PlantFile,
+    "sweeps": SweepFile,
 }
 """What the YAML files of each folder of the configuration become."""
 
