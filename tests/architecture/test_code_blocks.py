@@ -27,6 +27,7 @@ from lexstack_config.reader import build, parse_yaml
 from lexstack_config.scenario import ScenarioConfig
 from lexstack_experiments.benches import BENCHES
 from lexstack_experiments.experiments import EXPERIMENTS
+from lexstack_experiments.sweeps.sweep_file import SweepFile
 from support.code_blocks import HEREDOC, ROOT, Block, all_blocks, blocks_of, lines_of
 
 BLOCKS = all_blocks()
@@ -189,6 +190,8 @@ def check_yaml(text, where):
     data = parse_yaml(text, where)
     if "initial_stack" in data:
         build(ScenarioConfig, data, where)
+    elif "run" in data:
+        build(SweepFile, data, where)
     elif "levels" in data:
         build(StackConfig, data, where)
     elif "joint_states" in next(iter(data.get("robots", {"": {}}).values())):
