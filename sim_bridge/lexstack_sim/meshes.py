@@ -57,7 +57,7 @@ class Shape:
 
     def add_primitive(self, body: mujoco.MjsBody, **attributes: object) -> None:
         """Add a primitive to a body."""
-        kind, size = _primitive(self.geometry)
+        kind, size = primitive(self.geometry)
         body.add_geom(type=kind, size=size, **self._place(), **attributes)
 
     def add_mesh(
@@ -175,7 +175,7 @@ def is_flat(mesh: Mesh) -> bool:
     return bool(np.linalg.eigvalsh(scatter)[0] < _FLAT**2)
 
 
-def _primitive(geometry: coal.CollisionGeometry) -> tuple[mujoco.mjtGeom, Vector]:
+def primitive(geometry: coal.CollisionGeometry) -> tuple[mujoco.mjtGeom, Vector]:
     """Return MuJoCo's kind and size of a primitive; its long axis is z in both."""
     kinds = mujoco.mjtGeom
     if isinstance(geometry, coal.Box):
