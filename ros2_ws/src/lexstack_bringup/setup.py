@@ -25,6 +25,7 @@ setup(
         "lexstack-config",
         "lexstack-plant",
         "lexstack-ros",
+        "lexstack-sim",
         "numpy>=2",
         "PyYAML>=6",
     ],
@@ -32,6 +33,7 @@ setup(
         "console_scripts": [
             "bringup = lexstack_bringup.commands.bringup:main",
             "demo = lexstack_bringup.commands.demo:main",
+            "fit-spheres = lexstack_bringup.commands.fit_spheres:main",
             "replay = lexstack_bringup.commands.replay:main",
         ],
     },
