@@ -69,6 +69,18 @@ def entry(signature: str) -> Callable[[Function], Function]:
 
 
 @cache
+def kernel(name: str) -> Any:
+    """Return a compiled module of the library, or None without numba: then the plain form runs.
+
+    It is loaded once; whoever serves ticks asks for it in the set-up.
+
+    Args:
+        name: of the module, below ``lexstack``.
+    """
+    return importlib.import_module(f"lexstack.{name}") if available() else None
+
+
+@cache
 def folder() -> Path:
     """Return where this version of all kernels is kept: beside them, else in the user's cache."""
     contents = b"".join(path.read_bytes() for path in [Path(__file__), *_sources()])

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from lexstack.compiled import kernel
 from lexstack.limits.joint_limits import LIMITS, Bounds, JointLimits
 from lexstack.limits.limit_timing import Motion
 from lexstack.limits.limit_transition import LimitBlend
@@ -83,6 +84,7 @@ class LimitsInForce:
         self._base: JointLimits | None = None  # what ``_kept`` was made from
         self._kept = own
         self._before: RobotState | None = None
+        kernel("limits.kernel.box")  # loads it now, and not in the first tick
 
     @property
     def dt(self) -> float:
@@ -100,10 +102,11 @@ class LimitsInForce:
             sent: the command that was sent last, shape (n,); see ``viable_bounds``.
             jerk: whether jerk is limited at this tick; it is in any case where the options say so.
         """
-        acceleration = self._acceleration(state)
         dt, limited = self._options.dt, jerk or self._options.jerk
+        before, self._before = self._before, state
+        acceleration = self._acceleration(state, before) if limited else None
         place = state.q_star if self._positions is None else self._positions(state.q_star)
-        motion = Motion(place, state.command, dt, acceleration if limited else None)
+        motion = Motion(place, state.command, dt, acceleration)
         if wanted is not self._blend.new:
             old = replace(self._at(state.tick), jerk=self._jerk)
             self._keep_going(wanted, state.tick)
@@ -142,12 +145,11 @@ class LimitsInForce:
                 under_way.append((mine, going))
         self._going = under_way
 
-    def _acceleration(self, state: RobotState) -> Vector:
+    def _acceleration(self, state: RobotState, before: RobotState | None) -> Vector:
         """Return the acceleration of the last tick, shape (n,); over a gap in the ticks the mean.
 
         Nothing is known before the second state: the plant is taken to have moved uniformly.
         """
-        before, self._before = self._before, state
         if before is None or before.tick >= state.tick:
             return np.zeros_like(state.command)
         elapsed = (state.tick - before.tick) * self._options.dt
