@@ -68,16 +68,29 @@ def entry(signature: str) -> Callable[[Function], Function]:
     return decorate
 
 
-@cache
-def kernel(name: str) -> Any:
-    """Return a compiled module of the library, or None without numba: then the plain form runs.
+def load(*names: str) -> None:
+    """Load compiled modules, for whoever serves ticks: seconds or tenths of one.
 
-    It is loaded once; whoever serves ticks asks for it in the set-up.
+    Without numba nothing is loaded.
 
     Args:
-        name: of the module, below ``lexstack``.
+        names: of the modules.
     """
-    return importlib.import_module(f"lexstack.{name}") if available() else None
+    if available():
+        for name in names:
+            importlib.import_module(name)
+
+
+def kernel(name: str) -> Any:
+    """Return a compiled module that this process has loaded, else None: the plain form runs.
+
+    Both have the same bits, so nothing but time depends on it. A process that computes little
+    does without: numba costs half a second and 70 MB.
+
+    Args:
+        name: of the module.
+    """
+    return sys.modules.get(name)
 
 
 @cache

@@ -8,6 +8,7 @@ from time import perf_counter
 import numpy as np
 
 import lexstack.hqp
+from lexstack.control.kernels import load_kernels
 from lexstack.hqp import (
     Damper,
     HqpProblem,
@@ -101,6 +102,7 @@ class Controller:
 
         ``damper`` is for those who compare: another one than the default.
         """
+        load_kernels()
         self.references = references
         self.transition = transition
         self._team = team

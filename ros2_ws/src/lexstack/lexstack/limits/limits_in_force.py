@@ -10,7 +10,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lexstack.compiled import kernel
 from lexstack.limits.joint_limits import LIMITS, Bounds, JointLimits
 from lexstack.limits.limit_timing import Motion
 from lexstack.limits.limit_transition import LimitBlend
@@ -84,7 +83,6 @@ class LimitsInForce:
         self._base: JointLimits | None = None  # what ``_kept`` was made from
         self._kept = own
         self._before: RobotState | None = None
-        kernel("limits.kernel.box")  # loads it now, and not in the first tick
 
     @property
     def dt(self) -> float:

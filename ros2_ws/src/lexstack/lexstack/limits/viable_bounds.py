@@ -42,6 +42,7 @@ __all__ = [
     "viable_bounds",
 ]
 
+_KERNEL = "lexstack.limits.kernel.box"
 _KEPT = 1e-9  # m, rad, m/s, rad/s: a limit exceeded by no more is kept
 
 
@@ -74,7 +75,7 @@ def viable_bounds(
             (n,), m/s^2 and rad/s^2; None: jerk is not limited.
     """
     law, free = (None, None) if acceleration is None else _jerk_law(limits, dt)
-    fast = kernel("limits.kernel.box")
+    fast = kernel(_KERNEL)
     if fast is not None:
         box = np.empty((2, position.size))
         last = applied if sent is None else sent
@@ -119,7 +120,7 @@ def target_bounds(position: Vector, limits: JointLimits, dt: float) -> Bounds:
         limits: of all robots.
         dt: control period [s].
     """
-    fast = kernel("limits.kernel.box")
+    fast = kernel(_KERNEL)
     if fast is None:
         return _target_in_arrays(position, limits, dt)
     box = np.empty((2, position.size))

@@ -1,0 +1,15 @@
+"""The compiled code of a tick, loaded in the set-up."""
+
+from lexstack.compiled import load
+
+KERNELS = (
+    "lexstack.limits.kernel.box",
+    "lexstack.robots.kernel.chain",
+    "lexstack.tasks.kernel.pose",
+)
+"""All modules with what a tick calls, but for the solver's, which loads its own."""
+
+
+def load_kernels() -> None:
+    """Load them, or compile them where they never were: no tick waits for it."""
+    load(*KERNELS)
