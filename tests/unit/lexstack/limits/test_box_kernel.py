@@ -3,6 +3,7 @@
 import sys
 
 import numpy as np
+import pytest
 
 from lexstack.limits import JointLimits, target_bounds, viable_bounds
 from lexstack.limits.kernel import box as kernel
@@ -63,3 +64,15 @@ def test_a_box_is_read_only_and_takes_arrays_of_any_layout():
     assert not box.upper.flags.writeable
     for function in (kernel.target, kernel.command, kernel.with_jerk):
         assert len(function.signatures) == 1
+
+
+def test_a_state_in_whole_numbers_is_taken_and_one_of_another_length_is_not():
+    limits = JointLimits(-np.ones(2), np.ones(2), np.ones(2), np.ones(2), np.ones(2))
+    zeros = np.zeros(2, dtype=int)
+    same(
+        viable_bounds(zeros, limits, DT, zeros), viable_bounds(0.0 * zeros, limits, DT, 0.0 * zeros)
+    )
+    same(target_bounds(zeros, limits, DT), target_bounds(0.0 * zeros, limits, DT))
+    for position, applied in ((np.zeros(3), np.zeros(3)), (np.zeros(2), np.zeros(1))):
+        with pytest.raises(ValueError, match="fit"):
+            viable_bounds(position, limits, DT, applied)

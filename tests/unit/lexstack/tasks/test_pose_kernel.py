@@ -51,3 +51,9 @@ def test_near_pi_and_without_numba_the_plain_form_runs(monkeypatch, loaded):
     one = Pose(np.zeros(3), np.eye(3))
     half = Pose(np.ones(3), np.diag([1.0, -1.0, -1.0]))
     np.testing.assert_allclose(pose_error(one, half), [1.0, 1.0, 1.0, np.pi, 0.0, 0.0])
+
+
+def test_a_goal_in_whole_numbers_is_taken():
+    goal = Pose(np.array([1, 0, 0]), np.eye(3, dtype=int))
+    found = pose_error(Pose(np.zeros(3), np.eye(3)), goal)
+    np.testing.assert_array_equal(found, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -3,9 +3,12 @@
 from lexstack.compiled import load
 
 KERNELS = (
+    "lexstack.hqp.kernel.checks",
+    "lexstack.hqp.kernel.margins",
     "lexstack.limits.kernel.box",
     "lexstack.robots.kernel.chain",
     "lexstack.tasks.kernel.pose",
+    "lexstack.tasks.kernel.residual",
 )
 """All modules with what a tick calls, but for the solver's, which loads its own."""
 

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lexstack.compiled import kernel
 from lexstack.hqp.bend import FIRM, Bend
 from lexstack.hqp.groups import Group
 from lexstack.hqp.lift import FARTHEST, SINGULAR, TOLD, GroupLevel
@@ -29,6 +30,7 @@ from lexstack.hqp.regular import MET, SURE
 from lexstack.robots import Kinematics
 from lexstack.types import Matrix
 
+_FLOAT = np.dtype(np.float64)
 _ROUNDING = 1.0 + 1e-6
 _WIDE = 1.5  # of what needs a row: it is worth while to know how the level above bends
 
@@ -131,13 +133,7 @@ class Margin:
 
         ``problem`` is of the same tasks, and no joint of the group stands at a position limit.
         """
-        levels, square = problem.levels, 0.0
-        for (k, place), rows in self.rows:
-            matrix = levels[k][place].matrix
-            if matrix is not rows:
-                change = matrix - rows
-                square += float(np.vdot(change, change))
-        moved = math.sqrt(square)
+        levels, moved = problem.levels, self._moved(problem)
         for level in self.levels:
             least = level.least - moved * level.slope
             if least > level.enough:
@@ -158,6 +154,21 @@ class Margin:
             if not need <= SURE * squared:
                 return False
         return True
+
+    def _moved(self, problem: HqpProblem) -> float:
+        """Return d, by how much the rows differ from those of the state that was looked at."""
+        square, fast = 0.0, kernel("lexstack.hqp.kernel.margins")
+        for (k, place), rows in self.rows:
+            matrix = problem.levels[k][place].matrix
+            if matrix is not rows:
+                whole = fast is None or matrix.dtype is not _FLOAT or rows.dtype is not _FLOAT
+                square += _squared(matrix - rows) if whole else fast.squared_change(matrix, rows)
+        return math.sqrt(square)
+
+
+def _squared(matrix: Matrix) -> float:
+    """Return the squared Frobenius norm."""
+    return float(np.vdot(matrix, matrix))
 
 
 def _places(group: Group, k: int) -> list[Place]:

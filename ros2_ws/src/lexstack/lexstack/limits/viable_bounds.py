@@ -43,6 +43,7 @@ __all__ = [
 ]
 
 _KERNEL = "lexstack.limits.kernel.box"
+_FLOAT = np.dtype(np.float64)
 _KEPT = 1e-9  # m, rad, m/s, rad/s: a limit exceeded by no more is kept
 
 
@@ -74,18 +75,17 @@ def viable_bounds(
         acceleration: of the last tick, (applied - the velocity applied before it) / dt, shape
             (n,), m/s^2 and rad/s^2; None: jerk is not limited.
     """
-    law, free = (None, None) if acceleration is None else _jerk_law(limits, dt)
     fast = kernel(_KERNEL)
-    if fast is not None:
-        box = np.empty((2, position.size))
-        last = applied if sent is None else sent
-        if law is None:
-            fast.command(position, limits.table, dt, applied, last, box)
-        else:
-            of_law = (position, limits.table, law.table, free, dt)
-            fast.with_jerk(*of_law, applied, last, last is not applied, acceleration, box)
-        return Bounds.of(box)
-    return _in_arrays(position, limits, dt, applied, sent, acceleration)
+    if fast is None or not position.dtype is applied.dtype is _FLOAT:
+        return _in_arrays(position, limits, dt, applied, sent, acceleration)
+    box, last = np.empty((2, position.size)), applied if sent is None else sent
+    law, free = (None, None) if acceleration is None else _jerk_law(limits, dt)
+    if law is None:
+        fast.command(position, limits.table, dt, applied, last, box)
+    else:
+        of_law = (position, limits.table, law.table, free, dt)
+        fast.with_jerk(*of_law, applied, last, last is not applied, acceleration, box)
+    return Bounds.of(box)
 
 
 def _in_arrays(
@@ -121,7 +121,7 @@ def target_bounds(position: Vector, limits: JointLimits, dt: float) -> Bounds:
         dt: control period [s].
     """
     fast = kernel(_KERNEL)
-    if fast is None:
+    if fast is None or position.dtype is not _FLOAT:
         return _target_in_arrays(position, limits, dt)
     box = np.empty((2, position.size))
     fast.target(position, limits.table, dt, box)

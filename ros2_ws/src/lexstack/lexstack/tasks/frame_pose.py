@@ -50,24 +50,16 @@ class EePose:
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return 6 rows, m/s then rad/s, in the world frame."""
-        robot, matrix, target = self._robot, np.zeros((6, self._n)), np.empty(6)
-        tool, goal, jacobian = (
-            kinematics.tools[robot],
-            references.ee[robot],
-            kinematics.jacobians[robot],
-        )
-        fast = kernel(_KERNEL)
-        if fast is None or not fast.follow(
-            tool.position,
-            tool.rotation,
-            goal.position,
-            goal.rotation,
-            *self._numbers,
-            jacobian,
-            self._columns.start,
-            matrix,
-            target,
-        ):
+        robot, start = self._robot, self._columns.start
+        tool, goal = kinematics.tools[robot], references.ee[robot]
+        matrix, target = np.zeros((6, self._n)), np.empty(6)
+        fast, jacobian = kernel(_KERNEL), kinematics.jacobians[robot]
+        poses = (tool.position, tool.rotation, goal.position, goal.rotation)
+        try:
+            done = fast and fast.follow(*poses, *self._numbers, jacobian, start, matrix, target)
+        except TypeError:  # a goal in whole numbers
+            done = False
+        if not done:
             gain, linear, angular = self._numbers
             error = _pose_error(tool, goal)
             target[:3] = saturated(gain * error[:3], linear)
@@ -83,9 +75,11 @@ def pose_error(actual: Pose, desired: Pose) -> Vector:
     """Return (p_d - p [m], R log3(R^T R_d) [rad]) in the world frame, shape (6,)."""
     fast, error = kernel(_KERNEL), np.empty(6)
     poses = (actual.position, actual.rotation, desired.position, desired.rotation)
-    if fast is not None and fast.pose_error(*poses, error):
-        return error
-    return _pose_error(actual, desired)
+    try:
+        done = fast and fast.pose_error(*poses, error)
+    except TypeError:  # a goal in whole numbers
+        done = False
+    return error if done else _pose_error(actual, desired)
 
 
 def _pose_error(actual: Pose, desired: Pose) -> Vector:

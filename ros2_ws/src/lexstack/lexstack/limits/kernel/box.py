@@ -19,6 +19,13 @@ _TABLE = "Array(float64, 2, 'C', readonly=True)"
 
 
 @compiled
+def check(limits: Matrix, one: Vector, other: Vector, third: Vector) -> None:
+    """Raise ValueError for vectors that are not as long as the limits."""
+    if not one.size == other.size == third.size == limits.shape[1]:
+        raise ValueError("box: the arrays do not fit each other")
+
+
+@compiled
 def larger(one: float, other: float) -> float:
     """Return the larger number, NaN where one of them is none, as ``np.maximum`` does."""
     return one if one >= other or one != one else other  # noqa: PLR0124
@@ -81,6 +88,7 @@ def target(position: Vector, limits: Matrix, dt: float, box: Matrix) -> None:
         dt: control period [s].
         box: L and U, shape (2, n).
     """
+    check(limits, position, position, position)
     for j in range(position.size):
         box[0, j], box[1, j] = without_acceleration(limits, j, position[j], dt)
 
@@ -99,6 +107,7 @@ def command(
         sent: the one that was sent last, or ``applied`` again, shape (n,).
         box: lower and upper end, shape (2, n).
     """
+    check(limits, position, applied, sent)
     for j in range(position.size):
         box[0, j], box[1, j] = without_jerk(limits, j, position[j], dt, applied[j], sent[j])
 
@@ -177,6 +186,8 @@ def with_jerk(
         acceleration: of the last tick, shape (n,).
         box: lower and upper end, shape (2, n).
     """
+    check(limits, position, applied, sent)
+    check(limits, position, applied, acceleration)
     n = position.size
     for j in range(n):
         q, v = position[j], applied[j]

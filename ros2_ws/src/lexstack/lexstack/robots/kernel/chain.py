@@ -85,6 +85,8 @@ def tools(
         rotations: shape (robots, 3, 3).
         jacobians: transposed, zero at first, shape (robots, most joints, 6).
     """
+    if q.size <= joints[:, 2].max():
+        raise ValueError("tools: q has another length")
     turns, at = np.empty((joints.shape[0], 3, 3)), np.empty((joints.shape[0], 3))
     own, place = np.empty((3, 3)), np.empty(3)
     for robot in range(ends.shape[0]):

@@ -23,6 +23,8 @@ def error_of(position: Vector, rotation: Matrix, goal: Vector, turn: Matrix, err
 
     Products of matrices are chains as of numpy's ``dot``, see ``fused``.
     """
+    if goal.size != 3 or turn.shape != (3, 3):
+        raise ValueError("pose_error: the goal is no pose")
     between = np.empty((3, 3))
     for r in range(3):
         for c in range(3):
