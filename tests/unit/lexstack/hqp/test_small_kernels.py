@@ -27,10 +27,12 @@ def test_chi_is_put_into_its_box():
 def test_a_change_of_rows_is_its_frobenius_norm():
     one, other = RNG.normal(size=(6, 9)), np.asfortranarray(RNG.normal(size=(6, 9)))
     change = one - other
-    assert margins.squared_change(one, other) == pytest.approx(np.vdot(change, change), rel=1e-13)
-    assert margins.squared_change(one, other[:5]) == np.inf
+    assert margins.squared_change(one, other, 0, 99) == pytest.approx(
+        np.vdot(change, change), rel=1e-13
+    )
+    assert margins.squared_change(one, other[:5], 0, 9) == np.inf
     other[0, 0] = np.nan
-    assert np.isnan(margins.squared_change(one, other))
+    assert np.isnan(margins.squared_change(one, other, 0, 99))
 
 
 def test_a_joint_stands_beyond_a_margin():
@@ -48,3 +50,12 @@ def test_a_residual_is_that_of_the_task():
     assert found == pytest.approx(float(rows @ rows), rel=1e-13)
     with pytest.raises(ValueError, match="fit"):
         residual.square(task.matrix, lower, upper, chi[:8])
+
+
+def test_columns_with_an_entry_are_found():
+    matrix, moved = RNG.normal(size=(4, 7)), np.empty(7, dtype=bool)
+    matrix[:, [1, 5]] = 0.0
+    matrix[0, 2], matrix[:3, 6], matrix[3, 6] = -0.0, 0.0, 1e-300
+    for one in (matrix, np.asfortranarray(matrix)):
+        margins.columns_of(one, moved)
+        np.testing.assert_array_equal(moved, matrix.any(axis=0))

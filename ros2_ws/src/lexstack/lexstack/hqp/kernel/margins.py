@@ -5,20 +5,28 @@ from __future__ import annotations
 import numpy as np
 
 from lexstack.compiled import entry
+from lexstack.hqp.kernel.values import Flags
 from lexstack.types import Matrix, Vector
 
 _VECTOR = "Array(float64, 1, 'A', readonly=True)"
 _MATRIX = "Array(float64, 2, 'A', readonly=True)"
 
 
-@entry(f"float64({_MATRIX}, {_MATRIX})")
-def squared_change(rows: Matrix, before: Matrix) -> float:
-    """Return the squared Frobenius norm of a difference; infinite of matrices of other shapes."""
+@entry(f"float64({_MATRIX}, {_MATRIX}, int64, int64)")
+def squared_change(rows: Matrix, before: Matrix, start: int, stop: int) -> float:
+    """Return the squared Frobenius norm of a difference; infinite of matrices of other shapes.
+
+    Args:
+        rows: one matrix.
+        before: the other one.
+        start: of the columns in which they may differ.
+        stop: one past the last of them, at most.
+    """
     if rows.shape != before.shape:
         return np.inf
     square = 0.0
     for i in range(rows.shape[0]):
-        for j in range(rows.shape[1]):
+        for j in range(start, min(stop, rows.shape[1])):
             change = rows[i, j] - before[i, j]
             square += change * change
     return square
@@ -33,3 +41,14 @@ def stands(position: Vector, upper: Vector, lower: Vector) -> bool:
     for j in range(position.size):
         beyond |= position[j] > upper[j] or position[j] < lower[j]
     return beyond
+
+
+@entry(f"void({_MATRIX}, boolean[::1])")
+def columns_of(matrix: Matrix, moved: Flags) -> None:
+    """Set which columns of a matrix have an entry that is not zero, shape (n,)."""
+    if matrix.shape[1] != moved.size:
+        raise ValueError("columns_of: the arrays do not fit each other")
+    moved[:] = False
+    for i in range(matrix.shape[0]):
+        for j in range(moved.size):
+            moved[j] |= matrix[i, j] != 0.0
