@@ -68,6 +68,31 @@ def entry(signature: str) -> Callable[[Function], Function]:
     return decorate
 
 
+def load(*names: str) -> None:
+    """Load compiled modules, for whoever serves ticks: seconds or tenths of one.
+
+    Without numba nothing is loaded.
+
+    Args:
+        names: of the modules.
+    """
+    if available():
+        for name in names:
+            importlib.import_module(name)
+
+
+def kernel(name: str) -> Any:
+    """Return a compiled module that this process has loaded, else None: the plain form runs.
+
+    Both have the same bits, so nothing but time depends on it. A process that computes little
+    does without: numba costs half a second and 70 MB.
+
+    Args:
+        name: of the module.
+    """
+    return sys.modules.get(name)
+
+
 @cache
 def folder() -> Path:
     """Return where this version of all kernels is kept: beside them, else in the user's cache."""

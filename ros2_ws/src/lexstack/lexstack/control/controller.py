@@ -8,6 +8,7 @@ from time import perf_counter
 import numpy as np
 
 import lexstack.hqp
+from lexstack.control.kernels import load_kernels
 from lexstack.hqp import (
     Damper,
     HqpProblem,
@@ -15,8 +16,8 @@ from lexstack.hqp import (
     NearSingular,
     Solution,
     near_singularity,
-    rejection_reason,
 )
+from lexstack.hqp.fallback import rejected
 from lexstack.limits.joint_limits import Bounds, JointLimits
 from lexstack.limits.limits_in_force import BoundsProvider
 from lexstack.limits.viable_bounds import target_bounds
@@ -101,6 +102,7 @@ class Controller:
 
         ``damper`` is for those who compare: another one than the default.
         """
+        load_kernels()
         self.references = references
         self.transition = transition
         self._team = team
@@ -118,7 +120,7 @@ class Controller:
         The same states, requests, targets and samples give the same commands, bit for bit.
         """
         begun = perf_counter()
-        self.prepare(state)
+        self.begin(state)
         kinematics = self._team.kinematics(state)
         references = self.references.at(state.stamp)
         due = self.transition.due(state.tick, references.revision)
@@ -146,7 +148,7 @@ class Controller:
         solution = self._solve(plans.problem, kinematics, limits, self._warm)
         chi, fallback = checked(solution, bounds)
         self._warm = None if fallback else solution
-        fallback = "; ".join(word for word in (fallback, auxiliary.failures) if word)
+        fallback = "; ".join([word for word in (fallback, auxiliary.failures) if word])
         self._problem = plans.problem
         self._sent = chi
         stack = self.transition.stack
@@ -221,7 +223,9 @@ def checked(solution: Solution, bounds: Bounds) -> tuple[Vector, str]:
     solution may be sent (failed, not finite, out of the box), the box's nearest point to zero: the
     robots brake as fast as their limits allow.
     """
-    reason = rejection_reason(solution, bounds)
+    reason, inside = rejected(solution, bounds)
     if reason:
         return np.clip(0.0, bounds.lower, bounds.upper), f"{_BRAKING}{reason}"
+    if inside is not None:
+        return inside, solution.note
     return np.minimum(np.maximum(solution.chi, bounds.lower), bounds.upper), solution.note

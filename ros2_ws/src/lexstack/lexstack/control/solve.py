@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from lexstack.control.controller import checked
+from lexstack.control.kernels import load_kernels
 from lexstack.errors import InputError
 from lexstack.hqp import (
     DEFAULT_SOLVER,
@@ -96,6 +97,7 @@ class HqpController:
         """
         if not 0.0 < dt < np.inf:
             raise InputError(f"dt: must be finite and > 0, got {dt}")
+        load_kernels()
         self._team = Team(team.robots, dt, team.obstacles)
         self._compiled: Compiled = compiled(stack, self._team, Names())
         self._limits = self._compiled.stack.limits or self._team.limits

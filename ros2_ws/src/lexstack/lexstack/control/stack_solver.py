@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from lexstack.control.kernels import load_kernels
 from lexstack.hqp import Damped, Damper, HqpProblem, HqpSolver, Solution
 from lexstack.limits.joint_limits import Bounds
 from lexstack.limits.viable_bounds import target_bounds
@@ -56,6 +57,7 @@ class StackSolver:
 
         ``damper`` is for those who compare: another one than the default.
         """
+        load_kernels()
         self._team = team
         self._stacks = dict(stacks)
         self._solver = solver

@@ -21,6 +21,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from lexstack.compiled import kernel
 from lexstack.hqp.hierarchy import Indices, unit_scale
 from lexstack.hqp.problem import HqpProblem
 from lexstack.types import LinearTask, Matrix
@@ -31,6 +32,7 @@ Place = slice | Indices
 Footprint = tuple[int, bytes]
 """Of a task: its number of rows; the mask of the columns that it has coefficients for."""
 
+_FLOAT = np.dtype(np.float64)
 _REMEMBERED = 1000  # matrices
 _UNIT = b""  # the mask of a task whose rows are those of the unit matrix, in this order
 
@@ -106,7 +108,12 @@ def footprint(matrix: Matrix) -> Footprint:
     if rows == columns and unit_scale(matrix):
         return rows, _UNIT
     # Exact zeros alone: to drop a coefficient because it is small would change the optimum.
-    return rows, matrix.any(axis=0).tobytes()
+    fast = kernel("lexstack.hqp.kernel.margins")
+    if fast is None or matrix.dtype is not _FLOAT:
+        return rows, matrix.any(axis=0).tobytes()
+    moved = np.empty(columns, dtype=np.bool_)
+    fast.columns_of(matrix, moved)
+    return rows, moved.tobytes()
 
 
 def share(task: LinearTask, rows: Place | None, columns: Place) -> LinearTask:

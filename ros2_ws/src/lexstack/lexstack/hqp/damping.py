@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from lexstack.compiled import kernel
 from lexstack.hqp.group_level import GroupLevel
 from lexstack.hqp.groups import Group
 from lexstack.hqp.hierarchy import Mask, Signs
@@ -179,6 +180,9 @@ def _sides(position: Vector, limits: JointLimits, dt: float) -> Vector | None:
     None: no joint does.
     """
     upper, lower = _margins(limits, dt)
+    fast = kernel("lexstack.hqp.kernel.margins")
+    if fast is not None and not fast.stands(position, upper, lower):
+        return None
     above, below = position > upper, position < lower
     if not (np.count_nonzero(above) or np.count_nonzero(below)):
         return None

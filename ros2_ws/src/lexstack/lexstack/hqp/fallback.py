@@ -11,8 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from lexstack.compiled import kernel
 from lexstack.hqp.problem import HqpProblem, HqpSolver, Solution, Status
 from lexstack.limits.joint_limits import Bounds
+from lexstack.types import Vector
+
+_KERNEL = "lexstack.hqp.kernel.checks"
 
 ROUNDING = 1e-7  # how far chi may leave the box, in its unit
 
@@ -54,12 +58,21 @@ class FallbackSolver:
 
 def rejection_reason(solution: Solution, bounds: Bounds) -> str:
     """Return why a solution may not be sent, or '': failed, not finite, or out of the box."""
+    return rejected(solution, bounds)[0]
+
+
+def rejected(solution: Solution, bounds: Bounds) -> tuple[str, Vector | None]:
+    """Return what ``rejection_reason`` does, and chi put into the box, where that was computed."""
     if not solution.solved:
-        return solution.reason
-    chi = solution.chi
-    outside = np.maximum(bounds.lower - chi, chi - bounds.upper)
+        return solution.reason, None
+    chi, fast = solution.chi, kernel(_KERNEL)
+    lower, upper, inside = bounds.lower, bounds.upper, np.empty(chi.size)
+    floats = chi.dtype is lower.dtype is upper.dtype is inside.dtype
+    if fast is not None and floats and fast.clip(chi, lower, upper, ROUNDING, inside):
+        return "", inside
+    outside = np.maximum(lower - chi, chi - upper)
     if not outside.size or outside[outside.argmax()] <= ROUNDING:  # never so for a NaN
-        return ""
+        return "", None
     if not np.isfinite(chi).all():
-        return "the solver returned numbers that are not finite"
-    return f"the solver left the bounds by {outside.max():.3g}"
+        return "the solver returned numbers that are not finite", None
+    return f"the solver left the bounds by {outside.max():.3g}", None

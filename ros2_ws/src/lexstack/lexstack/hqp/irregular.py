@@ -95,10 +95,11 @@ class Margins:
     def _of(self, problem: HqpProblem) -> _Known | None:
         """Return what is known of a problem's tasks; None where one of them has no curve."""
         curves = [tuple([task.curve for task in level]) for level in problem.levels]
-        while curves and not any(curves[-1]):
+        while curves and curves[-1].count(None) == len(curves[-1]):
             curves.pop()
-        if any(None in level for level in curves):
-            return None
+        for level in curves:
+            if None in level:
+                return None
         key = cast("Curves", tuple(curves))
         known = self._known.get(key)  # curves are told apart by identity: it is quick
         if known is None:

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lexstack.compiled import kernel
 from lexstack.hqp.bend import FIRM, Bend
 from lexstack.hqp.groups import Group
 from lexstack.hqp.lift import FARTHEST, SINGULAR, TOLD, GroupLevel
@@ -29,6 +30,8 @@ from lexstack.hqp.regular import MET, SURE
 from lexstack.robots import Kinematics
 from lexstack.types import Matrix
 
+_FLOAT = np.dtype(np.float64)
+_EVERY = 1_000_000  # columns
 _ROUNDING = 1.0 + 1e-6
 _WIDE = 1.5  # of what needs a row: it is worth while to know how the level above bends
 
@@ -111,14 +114,18 @@ class Margin:
             rows, most = level.matrix.shape[0], free.shape[1]
             if not most or (level.curved and rows > most) or firm <= FIRM:
                 return None
-            _, values, vt = np.linalg.svd(level.matrix.dot(free))
+            last, left = k + 1 == len(levels), level.matrix.dot(free) if k else level.matrix
+            if last:
+                values = np.linalg.svd(left, compute_uv=False)
+            else:
+                _, values, vt = np.linalg.svd(left)
             if not values[-1] > TOLD * level.scale:
                 return None
             seen.append(_seen(_places(group, k), level, float(values[-1]), firm))
-            if k + 1 < len(levels):
+            if not last:
                 free = free.dot(vt[min(rows, most) :].T)
                 above = np.concatenate((above, level.matrix))
-                firm = float(np.linalg.svd(above, compute_uv=False)[-1])
+                firm = float((np.linalg.svd(above, compute_uv=False) if k else values)[-1])
         places = [place for k in range(len(levels)) for place in _places(group, k)]
         kept = tuple((place, problem.levels[place[0]][place[1]].matrix) for place in places)
         bend = None
@@ -131,13 +138,7 @@ class Margin:
 
         ``problem`` is of the same tasks, and no joint of the group stands at a position limit.
         """
-        levels, square = problem.levels, 0.0
-        for (k, place), rows in self.rows:
-            matrix = levels[k][place].matrix
-            if matrix is not rows:
-                change = matrix - rows
-                square += float(np.vdot(change, change))
-        moved = math.sqrt(square)
+        levels, moved = problem.levels, self._moved(problem)
         for level in self.levels:
             least = level.least - moved * level.slope
             if least > level.enough:
@@ -158,6 +159,25 @@ class Margin:
             if not need <= SURE * squared:
                 return False
         return True
+
+    def _moved(self, problem: HqpProblem) -> float:
+        """Return d, by how much the rows differ from those of the state that was looked at."""
+        square, fast = 0.0, kernel("lexstack.hqp.kernel.margins")
+        columns = self.group.columns
+        start, stop = (columns.start, columns.stop) if isinstance(columns, slice) else (0, _EVERY)
+        for (k, place), rows in self.rows:
+            matrix = problem.levels[k][place].matrix
+            if matrix is not rows:
+                if fast is None or not matrix.dtype is rows.dtype is _FLOAT:
+                    square += _squared(matrix - rows)
+                else:
+                    square += fast.squared_change(matrix, rows, start, stop)
+        return math.sqrt(square)
+
+
+def _squared(matrix: Matrix) -> float:
+    """Return the squared Frobenius norm."""
+    return float(np.vdot(matrix, matrix))
 
 
 def _places(group: Group, k: int) -> list[Place]:
@@ -183,6 +203,8 @@ def _seen(places: list[Place], level: GroupLevel, least: float, firm: float) -> 
     if level.curved and not level.nested and not level.partial:
         joints = level.matrix.shape[1]
         size = (float(np.vdot(level.matrix, level.matrix)) + joints * level.scale**2) * _ROUNDING
-    slope = 1.0 + (least + float(np.linalg.norm(level.matrix, 2))) / firm
+    slope = 1.0
+    if math.isfinite(firm):
+        slope += (least + float(np.linalg.norm(level.matrix, 2))) / firm
     enough = SINGULAR * level.scale * _ROUNDING
     return Seen(tasks, least, slope, enough, level.scale, size)

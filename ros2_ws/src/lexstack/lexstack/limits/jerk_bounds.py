@@ -46,6 +46,8 @@ class JerkLaw:
 
     Attributes:
         usable: the acceleration that the law uses, shape (n,), at most the limit.
+        table: what the compiled form takes, shape (5, 2 n): towards the lower, then towards the
+            upper limits, positions over dt, speed, the largest change, the one that is used, S.
     """
 
     def __init__(
@@ -76,6 +78,7 @@ class JerkLaw:
         self._most = np.concatenate((most, most))
         self._used = np.concatenate((used, used))
         self._step = np.concatenate((step, step))
+        self.table = np.stack((self._positions, self._speed, self._most, self._used, self._step))
 
     def changes(self, position: Vector, velocity: Vector, change: Vector) -> tuple[Vector, Vector]:
         """Return the least and the largest change of velocity in this step, shape (n,) each.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lexstack.errors import ModelError
-from lexstack.types import Vector
+from lexstack.types import Matrix, Vector
 
 # Stands for an infinite position limit: far enough that the velocity limit decides, near enough
 # that 2 a d does not overflow.
@@ -30,6 +30,13 @@ class Bounds:
 
     lower: Vector
     upper: Vector
+
+    @classmethod
+    def of(cls, box: Matrix) -> Bounds:
+        """Return the bounds in the rows of an array (2, n), which is read-only from then on."""
+        box.setflags(write=False)
+        lower, upper = box
+        return cls(lower, upper)
 
     @property
     def empty(self) -> int:
@@ -52,6 +59,7 @@ class JointLimits:
         positions: both position limits, lower first, finite, shape (2n,).
         speeds: ``velocity`` for either of them, shape (2n,).
         rates: ``acceleration`` for either of them, shape (2n,).
+        table: the two finite position limits, velocity and acceleration, shape (4, n).
     """
 
     position_lower: Vector
@@ -64,6 +72,7 @@ class JointLimits:
     positions: Vector = field(init=False, repr=False)
     speeds: Vector = field(init=False, repr=False)
     rates: Vector = field(init=False, repr=False)
+    table: Matrix = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Copy, check and freeze the arrays."""
@@ -85,6 +94,8 @@ class JointLimits:
         object.__setattr__(self, "positions", np.clip(positions, -_FAR, _FAR))
         object.__setattr__(self, "speeds", np.concatenate((self.velocity,) * 2))
         object.__setattr__(self, "rates", np.concatenate((self.acceleration,) * 2))
+        rows = (*self.positions.reshape(2, -1), self.velocity, self.acceleration)
+        object.__setattr__(self, "table", np.stack(rows))
 
     def _require(self, holds: NDArray[np.bool_], name: str, what: str) -> None:
         """Raise ModelError for the first joint that breaks a rule."""

@@ -100,10 +100,11 @@ class LimitsInForce:
             sent: the command that was sent last, shape (n,); see ``viable_bounds``.
             jerk: whether jerk is limited at this tick; it is in any case where the options say so.
         """
-        acceleration = self._acceleration(state)
         dt, limited = self._options.dt, jerk or self._options.jerk
+        before, self._before = self._before, state
+        acceleration = self._acceleration(state, before) if limited else None
         place = state.q_star if self._positions is None else self._positions(state.q_star)
-        motion = Motion(place, state.command, dt, acceleration if limited else None)
+        motion = Motion(place, state.command, dt, acceleration)
         if wanted is not self._blend.new:
             old = replace(self._at(state.tick), jerk=self._jerk)
             self._keep_going(wanted, state.tick)
@@ -142,12 +143,11 @@ class LimitsInForce:
                 under_way.append((mine, going))
         self._going = under_way
 
-    def _acceleration(self, state: RobotState) -> Vector:
+    def _acceleration(self, state: RobotState, before: RobotState | None) -> Vector:
         """Return the acceleration of the last tick, shape (n,); over a gap in the ticks the mean.
 
         Nothing is known before the second state: the plant is taken to have moved uniformly.
         """
-        before, self._before = self._before, state
         if before is None or before.tick >= state.tick:
             return np.zeros_like(state.command)
         elapsed = (state.tick - before.tick) * self._options.dt

@@ -14,6 +14,9 @@ q(k+1) = q(k) + dt chi, moving at u(d) leaves the room d' with u(d') >= u(d) - a
 the next step always reaches below U again: whoever is inside the limits stays inside.
 
 With jerk limits, and where the last acceleration is known, the law is ``jerk_bounds.JerkLaw``.
+
+``limits/kernel`` has the same as compiled loops, which replace the arrays below where numba is
+there, and give the same bits.
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from lexstack.compiled import kernel
 from lexstack.limits.jerk_bounds import JerkLaw
 from lexstack.limits.joint_limits import Bounds, JointLimits
 from lexstack.limits.stopping import approach_speed
@@ -38,6 +42,8 @@ __all__ = [
     "viable_bounds",
 ]
 
+_KERNEL = "lexstack.limits.kernel.box"
+_FLOAT = np.dtype(np.float64)
 _KEPT = 1e-9  # m, rad, m/s, rad/s: a limit exceeded by no more is kept
 
 
@@ -69,6 +75,28 @@ def viable_bounds(
         acceleration: of the last tick, (applied - the velocity applied before it) / dt, shape
             (n,), m/s^2 and rad/s^2; None: jerk is not limited.
     """
+    fast = kernel(_KERNEL)
+    if fast is None or not position.dtype is applied.dtype is _FLOAT:
+        return _in_arrays(position, limits, dt, applied, sent, acceleration)
+    box, last = np.empty((2, position.size)), applied if sent is None else sent
+    law, free = (None, None) if acceleration is None else _jerk_law(limits, dt)
+    if law is None:
+        fast.command(position, limits.table, dt, applied, last, box)
+    else:
+        of_law = (position, limits.table, law.table, free, dt)
+        fast.with_jerk(*of_law, applied, last, last is not applied, acceleration, box)
+    return Bounds.of(box)
+
+
+def _in_arrays(
+    position: Vector,
+    limits: JointLimits,
+    dt: float,
+    applied: Vector,
+    sent: Vector | None,
+    acceleration: Vector | None,
+) -> Bounds:
+    """Return what ``viable_bounds`` does, by numpy."""
     law, free = _jerk_law(limits, dt)
     if acceleration is None or law is None:
         return _without_jerk(position, limits, dt, applied, sent)
@@ -78,7 +106,7 @@ def viable_bounds(
     if sent is not None and sent is not applied:
         reach = limits.acceleration * dt
         least, largest = _common(least, largest, sent - reach, sent + reach)
-    if free is not None:
+    if free.any():
         box = _without_jerk(position, limits, dt, applied, sent)
         least, largest = np.where(free, box.lower, least), np.where(free, box.upper, largest)
     return _frozen(least, largest)
@@ -92,6 +120,16 @@ def target_bounds(position: Vector, limits: JointLimits, dt: float) -> Bounds:
         limits: of all robots.
         dt: control period [s].
     """
+    fast = kernel(_KERNEL)
+    if fast is None or position.dtype is not _FLOAT:
+        return _target_in_arrays(position, limits, dt)
+    box = np.empty((2, position.size))
+    fast.target(position, limits.table, dt, box)
+    return Bounds.of(box)
+
+
+def _target_in_arrays(position: Vector, limits: JointLimits, dt: float) -> Bounds:
+    """Return what ``target_bounds`` does, by numpy."""
     box = _stoppable(position, limits, dt)
     return _frozen(box[: position.size], box[position.size :])
 
@@ -110,7 +148,7 @@ def is_viable(
     if law is None:
         return viable & slow
     with_jerk = law.viable(position, applied, acceleration * dt)
-    return with_jerk if free is None else np.where(free, viable & slow, with_jerk)
+    return np.where(free, viable & slow, with_jerk)
 
 
 def can_stop(
@@ -134,7 +172,7 @@ def can_stop(
     if acceleration is None or law is None:
         return stops
     with_jerk = law.stops(position, applied, acceleration * dt)
-    return with_jerk if free is None else np.where(np.tile(free, 2), stops, with_jerk)
+    return np.where(np.tile(free, 2), stops, with_jerk)
 
 
 def _without_jerk(
@@ -155,14 +193,14 @@ def _without_jerk(
 
 
 @lru_cache(maxsize=64)
-def _jerk_law(limits: JointLimits, dt: float) -> tuple[JerkLaw | None, NDArray[np.bool_] | None]:
-    """Return the law, None where no joint has a jerk limit; and the joints without, if any."""
+def _jerk_law(limits: JointLimits, dt: float) -> tuple[JerkLaw | None, NDArray[np.bool_]]:
+    """Return the law, None where no joint has a jerk limit; and which joints have none, (n,)."""
     free = np.isinf(limits.jerk)
     if free.all():
         return None, free
     position = (limits.position_lower, limits.position_upper)
     law = JerkLaw(position, limits.velocity, limits.acceleration, limits.jerk, dt)
-    return law, free if free.any() else None
+    return law, free
 
 
 def _stoppable(position: Vector, limits: JointLimits, dt: float) -> Vector:

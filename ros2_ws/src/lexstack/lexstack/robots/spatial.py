@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lexstack.types import Matrix, Vector
 
+_TURN = 2.0 * math.pi  # rad
 _SMALL = 1e-6  # rad
 _NEAR_PI = 1e-3  # rad
 _SMALL_OF_ALL = 1e-4  # rad: the next term of the series is below the last digit
@@ -116,8 +117,8 @@ def from_rpy(rpy: tuple[float, float, float]) -> Matrix:
 
 def wrap(angle: float) -> float:
     """Return an angle in (-pi, pi] [rad]."""
-    wrapped = float(np.remainder(angle, 2.0 * np.pi))
-    return wrapped - 2.0 * np.pi if wrapped > np.pi else wrapped
+    wrapped = float(angle) % _TURN
+    return wrapped - _TURN if wrapped > math.pi else wrapped
 
 
 def angles(ones: Matrix, others: Matrix) -> Vector:

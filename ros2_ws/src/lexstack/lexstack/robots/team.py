@@ -7,9 +7,11 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from lexstack.compiled import kernel
 from lexstack.errors import ConfigurationError
 from lexstack.limits.joint_limits import JointLimits
 from lexstack.options import shown
+from lexstack.robots.chains import Chains
 from lexstack.robots.collision_geometry import Indices, Spheres
 from lexstack.robots.kinematics import Frames, Kinematics, Pose
 from lexstack.robots.obstacles import Obstacles
@@ -86,14 +88,20 @@ class Team:
 
     def kinematics(self, state: RobotState) -> Kinematics:
         """Return poses and Jacobians at the measured configuration of ``state``."""
-        results = [
-            robot.tool(state.q[part])
-            for robot, part in zip(self.robots, self.q_slices, strict=True)
-        ]
+        fast = kernel("lexstack.robots.kernel.chain")
+        if fast is not None and self._chains is not None:
+            tools, jacobians = self._chains.tools(state.q, fast)
+        else:
+            results = [
+                robot.tool(state.q[part])
+                for robot, part in zip(self.robots, self.q_slices, strict=True)
+            ]
+            tools = tuple(pose for pose, _ in results)
+            jacobians = tuple(jacobian for _, jacobian in results)
         return Kinematics(
             state,
-            tuple(pose for pose, _ in results),
-            tuple(jacobian for _, jacobian in results),
+            tools,
+            jacobians,
             self.spheres,
             Frames(partial(self._frame, state.q)),
             self._unicycles,
@@ -163,6 +171,11 @@ class Team:
     def joint_names(self) -> tuple[str, ...]:
         """Names of all joints in the order of chi: robot, slash, joint."""
         return tuple(f"{robot.name}/{joint}" for robot in self.robots for joint in robot.joints)
+
+    @cached_property
+    def _chains(self) -> Chains | None:
+        """The chains of all robots, where they can be compiled."""
+        return Chains.of(self.robots)
 
     @cached_property
     def _unicycles(self) -> frozenset[int]:

@@ -8,12 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from lexstack.compiled import kernel
 from lexstack.options import Positive, build
 from lexstack.references import References
 from lexstack.robots import Kinematics, Pose, Team
 from lexstack.robots.spatial import log3
 from lexstack.tasks.feed_forward import feed_forward
 from lexstack.types import Curve, LinearTask, Vector
+
+_KERNEL = "lexstack.tasks.kernel.pose"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +39,8 @@ class EePose:
         self._columns = team.slices[robot]
         self._n = team.n
         self._team = team
-        self._parameters = parameters
         limits = (parameters.max_linear, parameters.max_angular)
+        self._numbers = (parameters.gain, *limits)
         self._curve = Curve(parameters.gain, (robot,), (self._columns,), (1.0,), limits)
 
     @classmethod
@@ -47,13 +50,21 @@ class EePose:
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return 6 rows, m/s then rad/s, in the world frame."""
-        error = pose_error(kinematics.tools[self._robot], references.ee[self._robot])
-        gain = self._parameters.gain
-        target = np.empty(6)
-        target[:3] = saturated(gain * error[:3], self._parameters.max_linear)
-        target[3:] = saturated(gain * error[3:], self._parameters.max_angular)
-        matrix = np.zeros((6, self._n))
-        matrix[:, self._columns] = kinematics.jacobians[self._robot]
+        robot, start = self._robot, self._columns.start
+        tool, goal = kinematics.tools[robot], references.ee[robot]
+        matrix, target = np.zeros((6, self._n)), np.empty(6)
+        fast, jacobian = kernel(_KERNEL), kinematics.jacobians[robot]
+        poses = (tool.position, tool.rotation, goal.position, goal.rotation)
+        try:
+            done = fast and fast.follow(*poses, *self._numbers, jacobian, start, matrix, target)
+        except TypeError:  # a goal in whole numbers
+            done = False
+        if not done:
+            gain, linear, angular = self._numbers
+            error = _pose_error(tool, goal)
+            target[:3] = saturated(gain * error[:3], linear)
+            target[3:] = saturated(gain * error[3:], angular)
+            matrix[:, self._columns] = jacobian
         feed = references.twist(self._robot)
         if feed is not None:
             feed = feed_forward(feed, kinematics, self._team, self._robot)
@@ -62,6 +73,17 @@ class EePose:
 
 def pose_error(actual: Pose, desired: Pose) -> Vector:
     """Return (p_d - p [m], R log3(R^T R_d) [rad]) in the world frame, shape (6,)."""
+    fast, error = kernel(_KERNEL), np.empty(6)
+    poses = (actual.position, actual.rotation, desired.position, desired.rotation)
+    try:
+        done = fast and fast.pose_error(*poses, error)
+    except TypeError:  # a goal in whole numbers
+        done = False
+    return error if done else _pose_error(actual, desired)
+
+
+def _pose_error(actual: Pose, desired: Pose) -> Vector:
+    """Return what ``pose_error`` does, by numpy."""
     error = np.empty(6)
     error[:3] = desired.position - actual.position
     error[3:] = actual.rotation.dot(log3(actual.rotation.T.dot(desired.rotation)))

@@ -31,10 +31,15 @@ class Level:
 
     def linearise(self, kinematics: Kinematics, references: References) -> tuple[LinearTask, ...]:
         """Return each task's rows, scaled by the root of its weight."""
-        return tuple(
-            _scaled(task.linearise(kinematics, references), scale)
-            for task, scale in zip(self.tasks, self.scales, strict=True)
-        )
+        rows = [task.linearise(kinematics, references) for task in self.tasks]
+        if self.weighted:
+            rows = [_scaled(one, scale) for one, scale in zip(rows, self.scales, strict=True)]
+        return tuple(rows)
+
+    @property
+    def weighted(self) -> bool:
+        """Whether a weight is not 1."""
+        return self.scales.count(1.0) != len(self.scales)
 
     def of(self, robots: Collection[int]) -> Level:
         """Return the tasks that move these robots alone."""
@@ -69,7 +74,7 @@ class Stack:
         self, kinematics: Kinematics, references: References
     ) -> tuple[tuple[LinearTask, ...], ...]:
         """Return all levels made linear at the present state, T(12)."""
-        return tuple(level.linearise(kinematics, references) for level in self.levels)
+        return tuple([level.linearise(kinematics, references) for level in self.levels])
 
     def of(self, robots: tuple[int, ...]) -> Stack:
         """Return the part of the stack that moves these robots; levels keep their rank."""

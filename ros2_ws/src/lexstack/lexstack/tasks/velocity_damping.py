@@ -30,11 +30,13 @@ class VelocityDamping:
         n = columns.stop - columns.start
         self.name = f"{team.names[robot]}/velocity_damping"
         self.robots = (robot,)
-        self._matrix = np.eye(n, team.n, columns.start)
-        self._matrix[team.robots[robot].base] *= parameters.base_cost
-        self._matrix[team.robots[robot].arm] *= parameters.arm_cost
-        self._matrix.setflags(write=False)  # solvers may remember it
-        self._target = np.zeros(n)
+        matrix = np.eye(n, team.n, columns.start)
+        matrix[team.robots[robot].base] *= parameters.base_cost
+        matrix[team.robots[robot].arm] *= parameters.arm_cost
+        target = np.zeros(n)
+        for array in (matrix, target):
+            array.setflags(write=False)  # solvers may remember it
+        self._rows = LinearTask.equality(self.name, matrix, target)
 
     @classmethod
     def from_config(
@@ -45,4 +47,4 @@ class VelocityDamping:
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return one row per joint of the robot."""
-        return LinearTask.equality(self.name, self._matrix, self._target)
+        return self._rows

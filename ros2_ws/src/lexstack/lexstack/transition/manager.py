@@ -270,26 +270,25 @@ class Transition:
 
     def finish(self, plans: Plans, chi: Vector) -> tuple[TransitionState, ...]:
         """Return the states to report for this tick, given its chi (n,); adopt at the end."""
-        pairs = list(zip(self._channels, plans.each, strict=True))
-        waiting = self._book.pending, self._book.scheduled
-        states = tuple(
-            transition_state(channel, plan, chi, coming(channel, *waiting), adopts=self._adopts)
-            for channel, plan in pairs
-        )
-        channels = tuple(
-            channel.finished(plan, self._sources, adopts=self._adopts) for channel, plan in pairs
-        )
-        self._channels = channels if len(channels) == 1 else together(channels, self._group)
-        return states
+        waiting, adopts = (self._book.pending, self._book.scheduled), self._adopts
+        states, channels = [], []
+        for channel, plan in zip(self._channels, plans.each, strict=True):
+            next_ = coming(channel, *waiting) if waiting[0] or waiting[1] else None
+            states.append(transition_state(channel, plan, chi, next_, adopts=adopts))
+            channels.append(channel.finished(plan, self._sources, adopts=adopts))
+        self._channels = tuple(channels)
+        if len(channels) > 1:
+            self._channels = together(channels, self._group)
+        return tuple(states)
 
     # ---- inside
 
     def _sample_plans(self, due: Collection[SwitchRequest], tick: int) -> None:
         """Sample the plans that are followed, or will be, at this tick: each enters as a chi."""
         blends = [channel.blend for channel in self._channels if channel.blend is not None]
-        if not blends and not due:
-            return
         followed = {blend.request.id: blend.route for blend in blends if blend.route.target.planned}
+        if not followed and not due:
+            return
         wanted = {id_: route.group.robots for id_, route in followed.items()}
         wanted |= {r.id: r.robots for r in due if self._stacks[r.stack].planned}
         for id_, robots in wanted.items():

@@ -149,6 +149,8 @@ class RequestBook:
 
     def peek(self, tick: int) -> tuple[SwitchRequest, ...]:
         """Return the requests whose tick has come, older ones first, that none of them replaces."""
+        if not self._scheduled:
+            return self.pending
         due = in_effect([request for request in self._scheduled if request.at_tick <= tick])
         return in_effect((*self.pending, *due)) if due else self.pending
 

@@ -45,14 +45,10 @@ class RobotGroup:
         if joints.size == joints[-1] + 1 - joints[0]:
             columns = slice(int(joints[0]), int(joints[-1]) + 1)
         if len(places) == len(team.robots):
-            whole = ("follow_chi", slice(0, team.n), np.eye(team.n))
+            whole = ("follow_chi", slice(0, team.n), _unit_rows(team.n, slice(0, team.n)))
             return cls(places, names, columns, (whole,), team)
         pieces = tuple(
-            (
-                f"{name}/follow_chi",
-                columns,
-                np.eye(columns.stop - columns.start, team.n, columns.start),
-            )
+            (f"{name}/follow_chi", columns, _unit_rows(team.n, columns))
             for name, columns in zip(names, slices, strict=True)
         )
         return cls(places, names, columns, pieces, team)
@@ -66,6 +62,13 @@ class RobotGroup:
         return tuple(
             LinearTask.equality(name, rows, target[columns]) for name, columns, rows in self.pieces
         )
+
+
+def _unit_rows(n: int, columns: slice) -> Matrix:
+    """Return rows of the identity; read-only, as solvers may remember them."""
+    rows: Matrix = np.eye(columns.stop - columns.start, n, columns.start)
+    rows.setflags(write=False)
+    return rows
 
 
 class RobotGroups:

@@ -14,10 +14,10 @@ from lexstack.errors import InputError
 from lexstack.hqp.backends.daqp import DaqpCascade
 from lexstack.hqp.kernel.values import Flags, Places, Signs
 from lexstack.hqp.problem import HqpProblem, HqpSolver, Solution, Status
-from lexstack.types import LinearTask
+from lexstack.types import Matrix, Vector
 
-Layout = tuple[tuple[tuple[int, bool], ...], ...]
-"""By level, of each task: how many rows, and whether they are a Jacobian's."""
+_END = -1
+"""Ends a level in a layout: of each task twice the rows, and 1 where they are a Jacobian's."""
 
 
 class KernelSolver:
@@ -52,23 +52,14 @@ class KernelSolver:
         start = time.perf_counter()
         low, high = problem.bounds.lower, problem.bounds.upper
         n = low.size
-        tasks = [task for level in problem.levels for task in level]
-        _check(tasks, n)
-        if not tasks or not n:
+        key, matrices, lowers, uppers = _gathered(problem, n)
+        if not matrices or not n:
             return self._other.solve(problem, warm)
-        ends, curved = _laid_out(
-            tuple(
-                [
-                    tuple([(task.lower.size, task.curve is not None) for task in level])
-                    for level in problem.levels
-                ]
-            )
-        )
-        matrix = np.concatenate([task.matrix for task in tasks], dtype=float)
-        lower = np.concatenate([task.lower for task in tasks], dtype=float)
-        upper = lower
-        if [task for task in tasks if task.upper is not task.lower]:
-            upper = np.concatenate([task.upper for task in tasks], dtype=float)
+        ends, curved = _laid_out(tuple(key))
+        matrix = np.concatenate(matrices, dtype=float)
+        upper = lower = np.concatenate(lowers, dtype=float)
+        if uppers is not None:
+            upper = np.concatenate(uppers, dtype=float)
         held, sides = _guess(warm, n, lower.size)
         chi, slacks = np.empty(n), np.empty(ends.size)
         if not self._kernel(
@@ -86,26 +77,48 @@ def _unsolved(*_: object) -> bool:
     return False
 
 
-def _check(tasks: list[LinearTask], n: int) -> None:
-    """Raise InputError where the arrays of a task do not fit each other and chi of length n."""
-    for task in tasks:
-        rows = task.lower.size
-        if task.matrix.shape != (rows, n) or task.upper.shape != (rows,):
-            raise InputError(
-                f"task {task.name}: matrix {task.matrix.shape}, lower {task.lower.shape}, "
-                f"upper {task.upper.shape} do not fit chi of length {n}"
-            )
+def _gathered(
+    problem: HqpProblem, n: int
+) -> tuple[list[int], list[Matrix], list[Vector], list[Vector] | None]:
+    """Return layout, matrices and ends of all tasks; the upper ends only where some differ.
+
+    Raises:
+        InputError: the arrays of a task do not fit each other and chi of length n.
+    """
+    key: list[int] = []
+    matrices, lowers, uppers, equal = [], [], [], True
+    for level in problem.levels:
+        for task in level:
+            matrix, lower, upper = task.matrix, task.lower, task.upper
+            rows = lower.size
+            if matrix.shape != (rows, n) or upper.shape != (rows,):
+                raise InputError(
+                    f"task {task.name}: matrix {matrix.shape}, lower {lower.shape}, "
+                    f"upper {upper.shape} do not fit chi of length {n}"
+                )
+            if upper is not lower:
+                equal = False
+            matrices.append(matrix)
+            lowers.append(lower)
+            uppers.append(upper)
+            key.append(2 * rows if task.curve is None else 2 * rows + 1)
+        key.append(_END)
+    return key, matrices, lowers, None if equal else uppers
 
 
 @lru_cache(maxsize=256)
-def _laid_out(layout: Layout) -> tuple[Places, Flags]:
+def _laid_out(key: tuple[int, ...]) -> tuple[Places, Flags]:
     """Return one past the last row of each level, and which rows are a Jacobian's."""
-    sizes = [sum(rows for rows, _ in level) for level in layout]
-    curved = [flag for level in layout for rows, flag in level for _ in range(rows)]
-    ends, flags = np.cumsum(sizes, dtype=np.int64), np.array(curved, dtype=np.bool_)
-    for array in (ends, flags):
+    ends, curved = [], list[bool]()
+    for number in key:
+        if number == _END:
+            ends.append(len(curved))
+        else:
+            curved += [bool(number % 2)] * (number // 2)
+    places, flags = np.array(ends, dtype=np.int64), np.array(curved, dtype=np.bool_)
+    for array in (places, flags):
         array.setflags(write=False)
-    return ends, flags
+    return places, flags
 
 
 def _guess(warm: Solution | None, n: int, m: int) -> tuple[Signs, Signs]:

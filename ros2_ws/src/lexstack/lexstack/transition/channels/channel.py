@@ -56,9 +56,9 @@ class Channel:
     @property
     def target(self) -> Stack:
         """The stack in effect; during a blend the one that they go to."""
-        return (
-            joined(self.adopted, self.group.team) if self.blend is None else self.blend.route.target
-        )
+        if self.blend is not None:
+            return self.blend.route.target
+        return self.adopted[0] if len(self.adopted) == 1 else joined(self.adopted, self.group.team)
 
     @property
     def method(self) -> str:

@@ -6,10 +6,14 @@ import math
 from collections.abc import Collection
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from lexstack.compiled import kernel
 from lexstack.transition.messages import SourceSample
 from lexstack.types import LinearTask
 
 Rows = tuple[LinearTask, ...]
+_FLOAT = np.dtype(np.float64)
 _ROUNDING = 1e-6  # relative and absolute, of the norm of level 1's residual
 
 
@@ -72,15 +76,15 @@ class ResidualCheck:
         if not level:
             return 0.0
         seen = self._seen.setdefault(sample.transition_id, _Seen())
-        seen.levels = {
-            at: rows for at, rows in seen.levels.items() if tick - self._memory <= at < tick
-        }
-        seen.levels[tick] = level, revision
+        levels, oldest = seen.levels, tick - self._memory
+        for at in [at for at in levels if not oldest <= at < tick]:
+            del levels[at]
+        levels[tick] = level, revision
         if anew:
             seen.clear = tick + self._memory
             # Chi that are known to have the old references stay evidence.
             seen.misses = 0 if None in (revision, sample.revision) else seen.misses
-        then = seen.levels.get(sample.tick)
+        then = levels.get(sample.tick)
         if then is None or sample.tick == seen.judged:
             return seen.miss if seen.misses >= self._patience else 0.0
         same = sample.revision is not None and sample.revision == then[1]
@@ -94,6 +98,12 @@ def _miss(sample: SourceSample, level: Rows) -> float:
     """Return | |level 1 at chi| - slack |, or 0 where that is rounding or not known."""
     if sample.slack is None:
         return 0.0
-    residual = sum(float(r.dot(r)) for r in (task.residual(sample.chi) for task in level))
+    residual, fast = 0.0, kernel("lexstack.tasks.kernel.residual")
+    for task in level:
+        if fast is not None and task.matrix.dtype is task.lower.dtype is task.upper.dtype is _FLOAT:
+            residual += fast.square(task.matrix, task.lower, task.upper, sample.chi)
+        else:
+            rows = task.residual(sample.chi)
+            residual += float(rows.dot(rows))
     miss = abs(math.sqrt(residual) - sample.slack)
     return 0.0 if miss <= _ROUNDING * (1.0 + sample.slack) else miss

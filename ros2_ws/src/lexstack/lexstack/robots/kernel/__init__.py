@@ -1,0 +1,1 @@
+"""Kinematics as compiled functions."""

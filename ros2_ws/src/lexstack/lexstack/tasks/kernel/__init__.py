@@ -1,0 +1,1 @@
+"""What tasks ask for, as compiled functions."""
