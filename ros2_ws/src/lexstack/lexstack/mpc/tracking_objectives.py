@@ -50,6 +50,8 @@ class Task:
 
     Attributes:
         objective: what it was made from.
+        measure: how its error is measured.
+        reference: at the states 1 to N, shape (N, r): the objective's, or what leads to it.
         weights: Q at the states 1 to N - 1 and P at N, on the diagonal, shape (N, s).
         binding: weights of the rows that bind levels below, 0 for others, shape (N, s).
         tolerance: delta of H(13) per row, shape (s,), m and rad; inf: the row binds no level below.
@@ -78,7 +80,7 @@ class Task:
             state: the measured q and v.
         """
         self.objective = objective
-        self._measure = measure = measure_of(objective, robot)
+        self.measure = measure = measure_of(objective, robot)
         expected = (config.horizon, measure.columns)
         if objective.reference.shape != expected or not np.isfinite(objective.reference).all():
             raise InputError(
@@ -86,11 +88,11 @@ class Task:
                 f"expected finite numbers of shape {expected}"
             )
         self.inputs: Matrix | None = None
-        self._reference = objective.reference
+        self.reference = objective.reference
         if lead is not None and state is not None and objective.kind.startswith("base"):
-            self._reference, self.inputs = lead.motion(*state, objective.reference)
-            as_pose = replace(objective, kind="base_pose", reference=self._reference)
-            self._measure = measure = measure_of(as_pose, robot)
+            self.reference, self.inputs = lead.motion(*state, objective.reference)
+            as_pose = replace(objective, kind="base_pose", reference=self.reference)
+            self.measure = measure = measure_of(as_pose, robot)
         self.frame = measure.frame
         weights = weights_of(objective.kind, config)
         self.weights = _weights(weights, measure, config.horizon)
@@ -112,7 +114,7 @@ class Task:
     def _found(self, at: StageKinematics) -> tuple[Matrix, float]:
         """Return error and cost; levels and their constraints ask for them again and again."""
         if self not in at.found:
-            error = self._measure.error(at, self._reference)
+            error = self.measure.error(at, self.reference)
             error.setflags(write=False)
             at.found[self] = error, self.cost(error)
         found: tuple[Matrix, float] = at.found[self]
@@ -120,7 +122,7 @@ class Task:
 
     def jacobian(self, at: StageKinematics) -> Array:
         """Return de/dq, shape (N, s, n)."""
-        jacobian = self._measure.jacobian(at, self._reference)
+        jacobian = self.measure.jacobian(at, self.reference)
         if jacobian.ndim == 2:
             jacobian = np.broadcast_to(jacobian, (len(at.q), *jacobian.shape))
         return jacobian
@@ -140,7 +142,7 @@ class Task:
     @property
     def stage_tolerance(self) -> Vector:
         """The cost of an error whose norm is the tolerance, at each state, shape (N,)."""
-        lengths = self._measure.lengths
+        lengths = self.measure.lengths
         share = np.where(np.isinf(self.tolerance), 0.0, np.square(self.tolerance))
         for rows in (lengths, ~lengths):
             share[rows] /= max(1, int(rows.sum()))
