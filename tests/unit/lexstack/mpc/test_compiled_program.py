@@ -5,6 +5,7 @@ import hashlib
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -233,7 +234,7 @@ def digest():
 
 def digest_of(**variables):
     """Return the digest by a process of its own."""
-    path = os.pathsep.join([os.path.dirname(__file__), *sys.path])
+    path = os.pathsep.join([str(Path(__file__).parent), *sys.path])
     return subprocess.run(
         [sys.executable, "-c", DIGEST],
         env={**os.environ, **variables, "PYTHONPATH": path},

@@ -53,7 +53,7 @@ class Subject(Protocol):
         """The joints of ``joint_positions``; empty: all but the base's."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Measure:
     """How an error is measured: e of shape (N, s), and J = de/dq, (N, s, n_q) or (s, n_q) constant.
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -32,8 +31,8 @@ class FrameStates:
     jacobian: Array
 
 
-class StageKinematics:
-    """Where frames and spheres are at each stage, world frame; derivatives when they are asked for.
+class StageKinematics(ABC):
+    """Where frames and spheres are at each stage, world frame.
 
     Attributes:
         q: the configurations, shape (N, n_q).
@@ -41,33 +40,47 @@ class StageKinematics:
         found: what tasks and distances have found here, each by itself, so that none looks twice.
     """
 
-    def __init__(
-        self,
-        q: Matrix,
-        centers: Array,
-        frames: Callable[[], dict[str, FrameStates]],
-        slopes: Callable[[], Array],
-    ) -> None:
-        """Take what is known, and what tells the rest; each of these is called once at most."""
+    def __init__(self, q: Matrix, centers: Array) -> None:
+        """Take configurations, and where the spheres are there."""
         self.q = q
         self.centers = centers
         self.found: dict[object, Any] = {}
-        self._frames, self._slopes = frames, slopes
 
-    @cached_property
+    @property
+    @abstractmethod
     def frames(self) -> dict[str, FrameStates]:
         """Those that the model was made for, by name."""
-        return self._frames()
 
-    @cached_property
+    @property
+    @abstractmethod
     def slopes(self) -> Array:
         """Jacobians of the spheres' centres by q, shape (N, 3 s, n_q)."""
-        return self._slopes()
 
     @property
     def tool(self) -> FrameStates:
         """The frame ``tool``."""
         return self.frames[TOOL]
+
+
+class GeneratedStages(StageKinematics):
+    """As generated code has computed them, all at once."""
+
+    def __init__(
+        self, q: Matrix, centers: Array, frames: dict[str, FrameStates], slopes: Array
+    ) -> None:
+        """Take what was computed."""
+        super().__init__(q, centers)
+        self._frames, self._slopes = frames, slopes
+
+    @property
+    def frames(self) -> dict[str, FrameStates]:
+        """Those that the model was made for, by name."""
+        return self._frames
+
+    @property
+    def slopes(self) -> Array:
+        """Jacobians of the spheres' centres by q, shape (N, 3 s, n_q)."""
+        return self._slopes
 
 
 class StageModel:
@@ -134,4 +147,4 @@ class StageModel:
         places = {
             name: FrameStates(*parts[3 * i : 3 * i + 3]) for i, name in enumerate(self.frames)
         }
-        return StageKinematics(self._q.copy(), centers, lambda: places, lambda: slopes)
+        return GeneratedStages(self._q.copy(), centers, places, slopes)

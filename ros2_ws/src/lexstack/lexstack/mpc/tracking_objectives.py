@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -45,6 +46,17 @@ class Objective:
     joints: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Form:
+    """What tasks of one kind have in common; see ``Task`` for the attributes."""
+
+    measure: Measure
+    weights: Matrix
+    binding: Matrix
+    tolerance: Vector
+    moving: Vector | None
+
+
 class Task:
     """An objective with its weights: what one level minimises and later levels must not spoil.
 
@@ -80,8 +92,8 @@ class Task:
             state: the measured q and v.
         """
         self.objective = objective
-        self.measure = measure = measure_of(objective, robot)
-        expected = (config.horizon, measure.columns)
+        form = _form_of(_subject(objective), config, robot, guided=False)
+        expected = (config.horizon, form.measure.columns)
         if objective.reference.shape != expected or not np.isfinite(objective.reference).all():
             raise InputError(
                 f"task {objective.name}: reference of shape {objective.reference.shape}, "
@@ -91,17 +103,11 @@ class Task:
         self.reference = objective.reference
         if lead is not None and state is not None and objective.kind.startswith("base"):
             self.reference, self.inputs = lead.motion(*state, objective.reference)
-            as_pose = replace(objective, kind="base_pose", reference=self.reference)
-            self.measure = measure = measure_of(as_pose, robot)
-        self.frame = measure.frame
-        weights = weights_of(objective.kind, config)
-        self.weights = _weights(weights, measure, config.horizon)
-        lengths = measure.lengths
-        self.tolerance: Vector = np.where(lengths, weights.tolerance, weights.tolerance_angle)
-        self.tolerance[expected[1] :] = np.inf  # rows that only guide
-        guides = np.isinf(self.tolerance)
-        self.binding = np.where(guides, 0.0, self.weights) if guides.any() else self.weights
-        self.moving = _moving(objective.moves, robot)
+            form = _form_of(_subject(objective), config, robot, guided=True)
+        self.measure = form.measure
+        self.frame = form.measure.frame
+        self.weights, self.binding = form.weights, form.binding
+        self.tolerance, self.moving = form.tolerance, form.moving
 
     def error(self, at: StageKinematics) -> Matrix:
         """Return e at the states 1 to N, shape (N, s)."""
@@ -154,6 +160,35 @@ def weights_of(kind: Kind, config: HtmpcConfig) -> TaskWeightsConfig:
     if kind == "joint_positions":
         return config.joint
     return config.ee if kind.startswith("ee") else config.base
+
+
+_Subject = tuple[str, Kind, Moves, str, tuple[str, ...]]
+
+
+def _subject(objective: Objective) -> _Subject:
+    """Return what of a robot an objective moves, and with which joints."""
+    return objective.name, objective.kind, objective.moves, objective.frame, objective.joints
+
+
+@lru_cache(maxsize=256)
+def _form_of(subject: _Subject, config: HtmpcConfig, robot: RobotModel, *, guided: bool) -> _Form:
+    """Return what does not change from solve to solve; raises InputError as ``measure_of``.
+
+    ``guided``: the pose of a motion that leads to the reference is followed.
+    """
+    name, kind, moves, frame, joints = subject
+    asked = Objective(name, kind, np.zeros((0, 0)), moves, frame, joints)
+    measure = measure_of(replace(asked, kind="base_pose") if guided else asked, robot)
+    chosen, lengths = weights_of(kind, config), measure.lengths
+    weights = _weights(chosen, measure, config.horizon)
+    tolerance = np.where(lengths, chosen.tolerance, chosen.tolerance_angle)
+    tolerance[measure_of(asked, robot).columns :] = np.inf  # rows that only guide
+    guides = np.isinf(tolerance)
+    binding = np.where(guides, 0.0, weights) if guides.any() else weights
+    moving = _moving(moves, robot)
+    for array in (weights, binding, tolerance):
+        array.setflags(write=False)
+    return _Form(measure, weights, binding, tolerance, moving)
 
 
 def _moving(moves: Moves, robot: RobotModel) -> Vector | None:

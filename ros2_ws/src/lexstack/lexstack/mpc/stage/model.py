@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 class CompiledStages(StageKinematics):
-    """Where frames and spheres are, as the compiled code has left it.
+    """As the compiled code has left them; derivatives are computed when they are asked for.
 
     Attributes:
         stages: of the joints and points, which the derivatives start from.
@@ -23,13 +25,19 @@ class CompiledStages(StageKinematics):
 
     def __init__(self, model: CompiledStageModel, q: Matrix, stages: Stages) -> None:
         """Take coordinates of shape (N, n_q), and what was computed for them."""
+        super().__init__(q, stages.points[:, len(model.frames) :])
         self.stages = stages
-        super().__init__(
-            q,
-            stages.points[:, len(model.frames) :],
-            lambda: model.frame_states(stages),
-            lambda: model.sphere_slopes(stages),
-        )
+        self._model = model
+
+    @cached_property
+    def frames(self) -> dict[str, FrameStates]:
+        """Those that the model was made for, by name."""
+        return self._model.frame_states(self.stages)
+
+    @cached_property
+    def slopes(self) -> Array:
+        """Jacobians of the spheres' centres by q, shape (N, 3 s, n_q)."""
+        return self._model.sphere_slopes(self.stages)
 
 
 class CompiledStageModel(StageModel):

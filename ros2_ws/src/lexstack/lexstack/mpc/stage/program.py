@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from lexstack.mpc.double_integrator import Horizon
 from lexstack.mpc.effort import Effort
 from lexstack.mpc.hard_limits import HeldLimits
 from lexstack.mpc.level_problem import Iterate, Program, Quadratic
-from lexstack.mpc.measures import Kind
+from lexstack.mpc.measures import Kind, Measure
 from lexstack.mpc.options import HtmpcConfig
 from lexstack.mpc.stage.kernel.values import (
     BASE_POSE,
@@ -24,6 +24,9 @@ from lexstack.mpc.stage.kernel.values import (
     ORIENTATION,
     POSE,
     POSITION,
+    REFERENCE,
+    ROW,
+    ROWS,
     Limits,
     Places,
     Scene,
@@ -134,7 +137,7 @@ class CompiledProgram(Program):
             *self._chain,
             *self._limits,
             *self._scene,
-            *layout_of(task, self._model.frames),
+            *layout_of(task.measure, self._model.frames),
             task.weights,
             task.error(iterate.at),
             iterate.q,
@@ -219,8 +222,7 @@ def _entries() -> tuple[Any, ...]:
 def scene_of(collisions: Collisions, stages: int) -> Scene:
     """Return what spheres keep off as arrays; none where nothing is to be kept off."""
     if not collisions.active:
-        nothing = np.zeros(0)
-        return Scene(np.zeros((stages, 0, 3)), np.zeros((0, 0)), nothing.astype(np.int64), nothing)
+        return _nothing_around(stages)
     around = collisions.around
     centers = np.zeros((stages, 0, 3)) if around is None else around.centers
     return Scene(
@@ -231,27 +233,41 @@ def scene_of(collisions: Collisions, stages: int) -> Scene:
     )
 
 
-def layout_of(task: Task, frames: tuple[str, ...]) -> tuple[Places, Places]:
+@cache
+def _nothing_around(stages: int) -> Scene:
+    """Return a scene in which no sphere keeps off anything."""
+    return Scene(
+        np.zeros((stages, 0, 3)), np.zeros((0, 0)), np.zeros(0, dtype=np.int64), np.zeros(0)
+    )
+
+
+@lru_cache(maxsize=256)
+def layout_of(measure: Measure, frames: tuple[str, ...]) -> tuple[Places, Places]:
     """Return the layout of a task as if it were alone, shape (5,), and its coordinates, (s,)."""
-    measure = task.measure
     point = frames.index(measure.frame) if measure.frame else -1
     layout = np.array([_KINDS[measure.kind], point, measure.rows, 0, 0], dtype=np.int64)
     places = measure.places or (0,) * measure.rows
     return layout, np.array(places, dtype=np.int64)
 
 
+@lru_cache(maxsize=256)
+def layouts_of(measures: tuple[Measure, ...], frames: tuple[str, ...]) -> tuple[Places, Places]:
+    """Return the layouts of tasks, shape (T, 5), and the coordinates of all their rows."""
+    each = [layout_of(measure, frames) for measure in measures]
+    layout = np.array([one for one, _ in each], dtype=np.int64).reshape(-1, 5)
+    layout[1:, ROW] = np.cumsum(layout[:-1, ROWS])
+    layout[1:, REFERENCE] = np.cumsum([measure.columns for measure in measures[:-1]])
+    return layout, np.array([place for _, places in each for place in places], dtype=np.int64)
+
+
 def tasks_of(tasks: Sequence[Task], frames: tuple[str, ...]) -> Tasks:
     """Return tasks as arrays."""
+    layout, places = layouts_of(tuple(task.measure for task in tasks), frames)
     if not tasks:
-        none, nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
-        return Tasks(none.reshape(0, 5), none, nothing, nothing)
-    each = [layout_of(task, frames) for task in tasks]
-    layout = np.array([one for one, _ in each])
-    layout[1:, 3] = np.cumsum(layout[:-1, 2])
-    layout[1:, 4] = np.cumsum([task.reference.shape[1] for task in tasks[:-1]])
+        return Tasks(layout, places, np.zeros(0), np.zeros(0))
     return Tasks(
         layout,
-        np.concatenate([places for _, places in each]),
+        places,
         np.concatenate([task.reference.ravel() for task in tasks], dtype=float),
         np.concatenate([task.weights.ravel() for task in tasks]),
     )

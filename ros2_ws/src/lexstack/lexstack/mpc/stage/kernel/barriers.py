@@ -12,44 +12,51 @@ from lexstack.compiled import compiled
 from lexstack.mpc.stage.kernel.values import Array, Limits, Scene, Stages
 from lexstack.types import Matrix, Vector
 
+Sums = tuple[float, float, float]
+"""What parabolas sum up to, what logarithms do, and a product whose logarithm is to come."""
+
 _LARGE, _SMALL = 1e100, 1e-100
 _CONCENTRIC = 1e-9  # m: below this there is no direction away
 
 
 @compiled
-def take(z: float, zeta: float, total: Vector) -> None:
-    """Add B(z) / mu to a total: of parabolas, of logarithms, and a product whose one is to come."""
+def take(z: float, zeta: float, sums: Sums) -> Sums:
+    """Return sums to which B(z) / mu is added."""
+    rest, logarithms, product = sums
     if z > zeta:
-        total[2] *= z
-        if total[2] > _LARGE or total[2] < _SMALL:
-            total[1] += math.log(total[2])
-            total[2] = 1.0
+        product *= z
+        if product > _LARGE or product < _SMALL:
+            logarithms += math.log(product)
+            product = 1.0
     else:
         below = z / zeta - 2.0
-        total[0] += 0.5 * (below * below - 1.0) - math.log(zeta)
+        rest += 0.5 * (below * below - 1.0) - math.log(zeta)
+    return rest, logarithms, product
 
 
 @compiled
-def sum_of(total: Vector) -> float:
+def sum_of(sums: Sums) -> float:
     """Return the sum of what was taken."""
-    found: float = total[0] - (total[1] + math.log(total[2]))
-    return found
+    return sums[0] - (sums[1] + math.log(sums[2]))
 
 
 @compiled
-def take_limits(limits: Limits, q: Vector, v: Vector, u: Vector, total: Vector) -> None:
-    """Add the barriers of all limits at one stage."""
+def take_limits(limits: Limits, q: Vector, v: Vector, u: Vector, sums: Sums) -> Sums:
+    """Return sums with the barriers of all limits at one stage."""
     zeta, count, n = limits.settings[1], limits.bounded.size, v.size
     first = q.size - n
-    for i in range(limits.lower.size):
-        if i < count:
-            value = q[first + limits.bounded[i]]
-        elif i < count + n:
-            value = v[i - count]
-        else:
-            value = u[i - count - n]
-        take(limits.upper[i] - value, zeta, total)
-        take(value - limits.lower[i], zeta, total)
+    lower, upper = limits.lower, limits.upper
+    for i in range(count):
+        value = q[first + limits.bounded[i]]
+        sums = take(upper[i] - value, zeta, sums)
+        sums = take(value - lower[i], zeta, sums)
+    for j in range(n):
+        i = count + j
+        sums = take(upper[i] - v[j], zeta, sums)
+        sums = take(v[j] - lower[i], zeta, sums)
+        sums = take(upper[i + n] - u[j], zeta, sums)
+        sums = take(u[j] - lower[i + n], zeta, sums)
+    return sums
 
 
 @compiled
@@ -61,13 +68,14 @@ def slope(z: float, mu: float, zeta: float) -> tuple[float, float]:
 
 
 @compiled
-def take_near(room: float, zeta: float, reach: float, total: Vector) -> None:
-    """Add B + ln R + z / R - 1, over mu, of a distance below the reach R; of others nothing."""
-    if math.isinf(reach):
-        take(room, zeta, total)
-    elif not room >= reach:  # also where it is not a number
-        take(room, zeta, total)
-        total[0] += math.log(reach) + room / reach - 1.0
+def take_near(room: float, zeta: float, reach: float, sums: Sums) -> Sums:
+    """Return sums with B + ln R + z / R - 1, over mu, of a distance below the reach R."""
+    if room >= reach:
+        return sums
+    rest, logarithms, product = take(room, zeta, sums)
+    if not math.isinf(reach):
+        rest += math.log(reach) + room / reach - 1.0
+    return rest, logarithms, product
 
 
 @compiled
@@ -81,9 +89,9 @@ def slope_near(room: float, mu: float, zeta: float, reach: float) -> tuple[float
 
 @compiled
 def take_distances(
-    scene: Scene, limits: Limits, at: Stages, k: int, first: int, total: Vector
-) -> None:
-    """Add the barriers of all distances at stage k; the spheres are the points from ``first``."""
+    scene: Scene, limits: Limits, at: Stages, k: int, first: int, sums: Sums
+) -> Sums:
+    """Return sums with all distances at stage k; the spheres are the points from ``first``."""
     zeta, reach = limits.settings[3], limits.settings[4]
     for s in range(scene.reach.shape[0]):
         point = at.points[k, first + s]
@@ -91,10 +99,19 @@ def take_distances(
             x = point[0] - scene.centers[k, o, 0]
             y = point[1] - scene.centers[k, o, 1]
             z = point[2] - scene.centers[k, o, 2]
-            take_near(math.sqrt(x * x + y * y + z * z) - scene.reach[s, o], zeta, reach, total)
+            square = x * x + y * y + z * z
+            if not beyond(square, scene.reach[s, o] + reach):
+                sums = take_near(math.sqrt(square) - scene.reach[s, o], zeta, reach, sums)
     for i in range(scene.lifted.size):
         height = at.points[k, first + scene.lifted[i], 2] - scene.heights[i]
-        take_near(height, zeta, reach, total)
+        sums = take_near(height, zeta, reach, sums)
+    return sums
+
+
+@compiled
+def beyond(square: float, length: float) -> bool:
+    """Return whether a squared distance is certainly above a length: most pairs need no root."""
+    return square > 1.000001 * length * length
 
 
 @compiled
@@ -121,7 +138,10 @@ def push(
             x = point[0] - scene.centers[k, o, 0]
             y = point[1] - scene.centers[k, o, 1]
             z = point[2] - scene.centers[k, o, 2]
-            distance = math.sqrt(x * x + y * y + z * z)
+            square = x * x + y * y + z * z
+            if beyond(square, scene.reach[s, o] + reach):
+                continue
+            distance = math.sqrt(square)
             slant, bend = slope_near(distance - scene.reach[s, o], mu, zeta, reach)
             if bend == 0.0:
                 continue

@@ -157,15 +157,13 @@ def evaluate(
     at = Stages(rotations, origins, points, frames)
     stages, first = u.shape[0], bodies.size - reach.shape[0]
     work = np.empty((2, 3, 3))
-    near = np.zeros(3)
-    inside = np.zeros(3)
-    near[2], inside[2] = 1.0, 1.0
+    inside, near = (0.0, 0.0, 1.0), (0.0, 0.0, 1.0)
     roll_out(u, step, nodes, q, v)
     costs[:] = 0.0
     for k in range(stages):
         place(chain, q[k + 1], at, k)
-        take_limits(limits, q[k + 1], v[k + 1], u[k], inside)
-        take_distances(scene, limits, at, k, first, near)
+        inside = take_limits(limits, q[k + 1], v[k + 1], u[k], inside)
+        near = take_distances(scene, limits, at, k, first, near)
         for t in range(layout.shape[0]):
             rows = layout[t, ROWS]
             begin = layout[t, ROW] * stages + k * rows
