@@ -12,7 +12,7 @@ import pytest
 
 from lexstack.mpc import COLUMNS, CollisionScene, Htmpc, Objective, Start, Task, htmpc
 from lexstack.mpc.htmpc import frames_of
-from lexstack.mpc.stage.kernel import chain, condensing, curvature, evaluation
+from lexstack.mpc.stage.kernel import chain, condensing, curvature, driving, evaluation
 from lexstack.mpc.stage.model import CompiledStageModel
 from lexstack.robots.spatial import from_rpy, to_quaternion
 from support.htmpc import config, random_objectives, random_start, robot
@@ -27,7 +27,9 @@ ENTRIES = (
     evaluation.evaluate,
     curvature.curve,
     condensing.condense_gradient,
+    condensing.condense_rows,
     condensing.condense_hessian,
+    driving.drive_slopes,
 )
 
 DIGEST = """
@@ -97,6 +99,9 @@ def compare(model, own, objectives, start, around, u):
         for one, another in zip(got.barriers, wanted.barriers, strict=True):
             same(one, another, f"{name}: barriers")
         same(got.hessian, wanted.hessian, f"{name}: Hessian")
+        slopes = mine.jacobian(found.at)
+        rows, others_rows = wanted.sensitivity.rows(slopes), got.sensitivity.rows(slopes)
+        same(others_rows, rows, f"{name}: rows")
 
 
 @pytest.mark.parametrize("parameters", ["authors", "lexstack"])
@@ -226,9 +231,8 @@ def digest():
             found.update(np.float64(program.cost(iterate, task)).tobytes())
             quadratic = program.quadratic(iterate, task)
             found.update(quadratic.coupled.tobytes())
-            if not model.differential:  # else numpy condenses
-                found.update(quadratic.gradient.tobytes())
-                found.update(quadratic.hessian.tobytes())
+            found.update(quadratic.gradient.tobytes())
+            found.update(quadratic.hessian.tobytes())
     return found.hexdigest()
 
 

@@ -102,6 +102,11 @@ class Program:
         # v and w, which have none, and no limits either. So the last n of q go with chi.
         self._first = len(self._q) - len(self._v)
 
+    @property
+    def differential(self) -> bool:
+        """Whether the robot is on a differential base: then joints couple in its dynamics."""
+        return self._first > 0
+
     def iterate(self, u: Matrix) -> Iterate:
         """Roll out inputs of shape (N, n)."""
         q, v = self.horizon.roll_out(self._q, self._v, u)

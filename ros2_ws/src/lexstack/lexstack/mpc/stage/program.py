@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from lexstack.mpc.barriers import LimitBarrier
 from lexstack.mpc.collision_cost import Collisions
-from lexstack.mpc.double_integrator import Horizon
+from lexstack.mpc.double_integrator import Horizon, Sensitivity
 from lexstack.mpc.effort import Effort
 from lexstack.mpc.hard_limits import HeldLimits
 from lexstack.mpc.level_problem import Iterate, Program, Quadratic
@@ -33,8 +33,9 @@ from lexstack.mpc.stage.kernel.values import (
     Tasks,
 )
 from lexstack.mpc.stage.model import CompiledStageModel, CompiledStages
+from lexstack.mpc.stage.sensitivity import NO_DRIVE, sensitivity_of
 from lexstack.mpc.tracking_objectives import Task
-from lexstack.mpc.unicycle_horizon import QUADRATURE
+from lexstack.mpc.unicycle_horizon import QUADRATURE, UnicycleSensitivity
 from lexstack.types import Matrix, Vector
 
 Array = NDArray[np.float64]
@@ -76,7 +77,7 @@ class Costs:
 
 
 class CompiledQuadratic(Quadratic):
-    """As ``Quadratic``, of a double integrator, condensed by compiled code."""
+    """As ``Quadratic``, condensed by compiled code."""
 
     __slots__ = ()
 
@@ -84,7 +85,7 @@ class CompiledQuadratic(Quadratic):
     def hessian(self) -> Matrix:
         """The condensed Gauss-Newton Hessian, shape (N n, N n); a new array."""
         assert isinstance(self.program, CompiledProgram)
-        return self.program.full(self.coupled, np.stack(self.barriers))
+        return self.program.full(self)
 
 
 class CompiledProgram(Program):
@@ -151,26 +152,26 @@ class CompiledProgram(Program):
             stiffness,
         )
         sensitivity = self.sensitivity(iterate)
-        if size == n:
-            gradient = np.empty((stages, n))
-            self._gradient(slant, forces, self.horizon.step, gradient)
-        else:
-            gradient = sensitivity.gradient(slant)
-            gradient += self.horizon.to_velocity.T @ forces[0]
-            gradient += forces[1]
+        gradient = np.empty((stages, n))
+        self._gradient(slant, forces, drive_of(sensitivity), self.horizon.step, gradient)
         if task.moving is not None:
             gradient *= task.moving
             moving = np.concatenate((task.moving[: size - n], task.moving))
             coupled *= moving[:, None] * moving
             stiffness[0] *= task.moving
-        kind = CompiledQuadratic if size == n else Quadratic
-        return kind(gradient.reshape(-1), coupled, tuple(stiffness), sensitivity, self)
+        return CompiledQuadratic(gradient.reshape(-1), coupled, tuple(stiffness), sensitivity, self)
 
-    def full(self, coupled: Array, stiffness: Array) -> Matrix:
-        """Return the condensed Hessian of a double integrator, shape (N n, N n)."""
-        stages, n = coupled.shape[:2]
+    def sensitivity(self, iterate: Iterate) -> Sensitivity:
+        """Return how the positions follow the inputs at an iterate."""
+        return sensitivity_of(self.horizon, iterate.q, iterate.v, iterate.u)
+
+    def full(self, quadratic: Quadratic) -> Matrix:
+        """Return the condensed Hessian, shape (N n, N n)."""
+        stages, n = quadratic.barriers[0].shape
         hessian = np.empty((stages * n, stages * n))
-        self._full(coupled, stiffness, self._limits.effort, self.horizon.step, hessian)
+        stiffness, drive = np.stack(quadratic.barriers), drive_of(quadratic.sensitivity)
+        effort, step = self._limits.effort, self.horizon.step
+        self._full(quadratic.coupled, stiffness, effort, drive, step, hessian)
         return hessian
 
     def _evaluated(self, u: Matrix) -> tuple[Matrix, Matrix, CompiledStages, float]:
@@ -204,6 +205,11 @@ class CompiledProgram(Program):
             found.found[task] = errors[begin:end].reshape(task.weights.shape), cost
             begin = end
         return q, v, found, float(costs[0])
+
+
+def drive_of(sensitivity: Sensitivity) -> Array:
+    """Return how x and y of a differential base follow its inputs, shape (N, 2, N, 2) or none."""
+    return sensitivity.drive if isinstance(sensitivity, UnicycleSensitivity) else NO_DRIVE
 
 
 @cache
