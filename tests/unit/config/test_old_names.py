@@ -8,6 +8,7 @@ from lexstack.mpc import HtmpcConfig
 from lexstack.options import OLD_NAMES
 from lexstack.tasks import TASKS, StackConfig, TaskConfig
 from lexstack_bag.replay.changes import Changes
+from lexstack_bag.run.reader import _since
 from lexstack_config.reader import build, plain
 from lexstack_config.resolved import ResolvedScenario, load_htmpc, load_scenario
 from support.scenario import CONFIG
@@ -61,6 +62,15 @@ def test_a_bag_of_before_has_the_scenario_of_today():
     assert all(f"{name}:" in text for name in KEYS)
     assert all(f"type: {name}\n" in text for name in TYPES)
     assert ResolvedScenario.from_yaml(text, "bag") == resolved
+
+
+def test_costs_of_older_bags_are_not_compiled():
+    resolved = load_scenario(PLANNED)
+    assert [each.evaluation for each in resolved.htmpc.values()] == ["compiled"]
+    text = "\n".join(line for line in resolved.to_yaml().split("\n") if "evaluation:" not in line)
+    read = ResolvedScenario.from_yaml(text, "bag", _since())
+    assert [each.evaluation for each in read.htmpc.values()] == ["plain"]
+    assert ResolvedScenario.from_yaml(resolved.to_yaml(), "bag", _since()) == resolved
 
 
 def test_a_replay_takes_old_names_too():

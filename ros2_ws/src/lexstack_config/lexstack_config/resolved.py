@@ -82,19 +82,33 @@ class ResolvedScenario:
 
     @classmethod
     def from_yaml(
-        cls, text: str, where: str, since: Mapping[str, object] | None = None
+        cls, text: str, where: str, since: Mapping[str, Mapping[str, object]] | None = None
     ) -> ResolvedScenario:
         """Return the scenario in a text that ``to_yaml`` wrote.
 
         Args:
             text: YAML.
             where: its origin, for errors.
-            since: values of the scenario's keys that older versions did not write.
+            since: values of keys that older versions did not write: of the ``scenario``, and of
+                each set of parameters of the ``htmpc``.
         """
         tree = parse_yaml(text, where)
-        if since and isinstance(tree, dict) and isinstance(tree.get("scenario"), dict):
-            tree["scenario"] = {**since, **tree["scenario"]}
+        if since and isinstance(tree, dict):
+            _fill(tree, "scenario", since.get("scenario", {}))
+            for name in _mapping(tree.get("htmpc")):
+                _fill(tree["htmpc"], name, since.get("htmpc", {}))
         return build(cls, tree, where)
+
+
+def _mapping(value: object) -> dict[str, object]:
+    """Return a mapping of a file; an empty one in place of anything else."""
+    return value if isinstance(value, dict) else {}
+
+
+def _fill(tree: dict[str, object], key: str, values: Mapping[str, object]) -> None:
+    """Set the values that a mapping under a key does not have."""
+    if isinstance(tree.get(key), dict):
+        tree[key] = {**values, **_mapping(tree[key])}
 
 
 def load_scenario(

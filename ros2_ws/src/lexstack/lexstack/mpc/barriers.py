@@ -63,6 +63,11 @@ class LimitBarrier:
     """Barriers for the limits of state and input over the horizon, H(7d).
 
     Quantities without a limit take no part.
+
+    Attributes:
+        bounded: joints with limits of position, shape (b,).
+        lower: of their positions, of all velocities, of all inputs, shape (b + 2 n,).
+        upper: likewise.
     """
 
     def __init__(
@@ -75,10 +80,10 @@ class LimitBarrier:
         """Take the limits: lower and upper positions, speeds and accelerations, shape (n,)."""
         self._config = config
         lower, upper = position
-        self._bounded = np.flatnonzero(np.isfinite(lower) & np.isfinite(upper))
-        self._n, self._b = lower.size, self._bounded.size
-        self._lower = np.concatenate((lower[self._bounded], -velocity, -acceleration))
-        self._upper = np.concatenate((upper[self._bounded], velocity, acceleration))
+        self.bounded = np.flatnonzero(np.isfinite(lower) & np.isfinite(upper))
+        self._n, self._b = lower.size, self.bounded.size
+        self.lower = np.concatenate((lower[self.bounded], -velocity, -acceleration))
+        self.upper = np.concatenate((upper[self.bounded], velocity, acceleration))
 
     def value(self, q: Matrix, v: Matrix, u: Matrix) -> float:
         """Return the sum of all barriers at q, v (states 1 to N) and u, shapes (N, n)."""
@@ -91,15 +96,15 @@ class LimitBarrier:
 
     def _room(self, q: Matrix, v: Matrix, u: Matrix) -> Array:
         """Return what is left to the upper, then to the lower limits, shape (2, N, b + 2 n)."""
-        values = np.concatenate((q[:, self._bounded], v, u), axis=1)
+        values = np.concatenate((q[:, self.bounded], v, u), axis=1)
         room = np.empty((2, *values.shape))
-        np.subtract(self._upper, values, out=room[0])
-        np.subtract(values, self._lower, out=room[1])
+        np.subtract(self.upper, values, out=room[0])
+        np.subtract(values, self.lower, out=room[1])
         return room
 
     def _split(self, values: Matrix) -> tuple[Matrix, ...]:
         """Return the parts of q, v and u; joints without position limits get zero."""
         b, n = self._b, self._n
         position = np.zeros((len(values), n))
-        position[:, self._bounded] = values[:, :b]
+        position[:, self.bounded] = values[:, :b]
         return position, values[:, b : b + n], values[:, b + n :]

@@ -45,7 +45,15 @@ class CollisionScene:
 
 
 class Collisions:
-    """The barriers of all pairs of the robot's spheres with the scene and the floor."""
+    """The barriers of all pairs of the robot's spheres with the scene and the floor.
+
+    Attributes:
+        around: the scene, None without one.
+        reach: distances of centres at which the barrier of a pair ends, shape (s, o), m.
+        lifted: the spheres that keep off the floor.
+        height: of each of these, at which its barrier ends, m.
+        active: whether there is anything to keep off.
+    """
 
     def __init__(
         self, config: CollisionConfig, model: StageModel, around: CollisionScene | None
@@ -53,32 +61,33 @@ class Collisions:
         """Take what is in the way; raises InputError for shapes that do not fit."""
         self._config = config
         self._range = config.influence - config.margin if config.influence else np.inf
-        self._around = around if around is not None and len(around.radii) else None
-        if self._around is not None:
-            _check(self._around, model.stages)
-            self._reach = model.radii[:, None] + self._around.radii + config.margin
-        self._lifted = np.flatnonzero(model.lifted) if config.ground else np.zeros(0, dtype=np.intp)
-        self._height = model.radii[self._lifted] + config.margin
-        self.active = len(model.spheres) > 0 and (self._around is not None or self._lifted.size > 0)
+        self.around = around if around is not None and len(around.radii) else None
+        self.reach: Matrix = np.zeros((len(model.radii), 0))
+        if self.around is not None:
+            _check(self.around, model.stages)
+            self.reach = model.radii[:, None] + self.around.radii + config.margin
+        self.lifted = np.flatnonzero(model.lifted) if config.ground else np.zeros(0, dtype=np.intp)
+        self.height = model.radii[self.lifted] + config.margin
+        self.active = len(model.spheres) > 0 and (self.around is not None or self.lifted.size > 0)
 
     def value(self, at: StageKinematics) -> float:
         """Return the sum of all barriers."""
         total = 0.0
-        if self._around is not None:
+        if self.around is not None:
             total += relaxed_within(self._config, self._room(at)[0], self._range)
-        if self._lifted.size:
+        if self.lifted.size:
             total += relaxed_within(
-                self._config, at.centers[:, self._lifted, 2] - self._height, self._range
+                self._config, at.centers[:, self.lifted, 2] - self.height, self._range
             )
         return total
 
     def distance(self, at: StageKinematics) -> float:
         """Return the least distance over all stages, without margin [m]; inf without pairs."""
         least = np.inf
-        if self._around is not None:
+        if self.around is not None:
             least = min(least, float(self._room(at)[0].min()))
-        if self._lifted.size:
-            heights = at.centers[:, self._lifted, 2] - self._height
+        if self.lifted.size:
+            heights = at.centers[:, self.lifted, 2] - self.height
             least = min(least, float(heights.min()))
         return least + self._config.margin
 
@@ -90,18 +99,18 @@ class Collisions:
         stages, count = at.centers.shape[:2]
         pushes = np.zeros((stages, count, 3))
         stiffness = np.zeros((stages, count, 3, 3))
-        if self._around is not None:
+        if self.around is not None:
             room, apart, distance = self._room(at)
             # In its centre there is no direction: with zero the pair pushes nowhere, but costs.
             away = apart / np.maximum(distance, _CONCENTRIC)[..., None]
             first, second = slopes_within(self._config, room, self._range)
             pushes += (first[:, :, None] @ away)[:, :, 0]
             stiffness += away.transpose(0, 1, 3, 2) @ (second[..., None] * away)
-        if self._lifted.size:
-            heights = at.centers[:, self._lifted, 2] - self._height
+        if self.lifted.size:
+            heights = at.centers[:, self.lifted, 2] - self.height
             first, second = slopes_within(self._config, heights, self._range)
-            pushes[:, self._lifted, 2] += first
-            stiffness[:, self._lifted, 2, 2] += second
+            pushes[:, self.lifted, 2] += first
+            stiffness[:, self.lifted, 2, 2] += second
         jacobian = at.slopes
         n = jacobian.shape[2]
         gradient = (pushes.reshape(stages, 1, 3 * count) @ jacobian)[:, 0]
@@ -114,11 +123,11 @@ class Collisions:
 
         Shapes (N, s, o), (N, s, o, 3) and (N, s, o).
         """
-        assert self._around is not None
+        assert self.around is not None
         if self not in at.found:
-            apart = at.centers[:, :, None] - self._around.centers[:, None]
+            apart = at.centers[:, :, None] - self.around.centers[:, None]
             distance = np.sqrt(np.einsum("ksoi,ksoi->kso", apart, apart))
-            at.found[self] = distance - self._reach, apart, distance
+            at.found[self] = distance - self.reach, apart, distance
         found: tuple[Array, Array, Array] = at.found[self]
         return found
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
+from lexstack.compiled import available
 from lexstack.errors import InputError
 from lexstack.mpc.barriers import LimitBarrier
 from lexstack.mpc.collision_cost import Collisions, CollisionScene
@@ -22,6 +24,8 @@ from lexstack.mpc.measures import Measure, Subject, measure_of
 from lexstack.mpc.options import HtmpcConfig
 from lexstack.mpc.other_robots import OtherRobot, scene_of
 from lexstack.mpc.plan import Plan
+from lexstack.mpc.stage.model import CompiledStageModel
+from lexstack.mpc.stage.program import CompiledProgram, Costs
 from lexstack.mpc.stage_kinematics import StageModel
 from lexstack.mpc.status import LevelStatus, Outcome
 from lexstack.mpc.tracking_objectives import Objective, Task
@@ -78,17 +82,19 @@ class Htmpc:
         self.horizon = horizon(config.horizon, config.step)
         self._lead = UnicycleLead(robot, config.step) if robot.differential else None
         self._spheres = chosen
+        self._kind = _model_kind(config)
         self._models: dict[tuple[tuple[str, ...], bool], StageModel] = {}
         # The floor is there for a lone robot without obstacles, too.
         self._floor = config.collision.ground and bool(self._model((TOOL,), True).lifted.any())
         self._model((TOOL,), self._floor)
-        self._effort = Effort(config.effort, self.horizon, robot.n, robot.arm.start)
-        self._barrier = LimitBarrier(
+        barrier = LimitBarrier(
             config.limits,
             (limits.position_lower, limits.position_upper),
             limits.velocity,
             limits.acceleration,
         )
+        effort = Effort(config.effort, self.horizon, robot.n, robot.arm.start)
+        self._costs = Costs.of(config, barrier, effort)
         self._hard = HardLimits(limits, self.horizon) if config.hard_limits else None
 
     def solve(
@@ -120,7 +126,7 @@ class Htmpc:
         scene = scene_of(others, start.stamp, start.stamp + self.horizon.times[1:])
         if scene is not None:
             around = scene if around is None else around.joined(scene)
-        program = self.program(start, before, around, frames_of(tasks))
+        program = self.program(start, before, around, frames_of(tasks), tasks)
         iterate = program.iterate(self._guess(start, tasks, before, program))
         iterate = _led(program, tasks[0], iterate)
         levels, active_sets, iterate = self._solve_levels(program, tasks, iterate, before)
@@ -164,7 +170,7 @@ class Htmpc:
         key = frames, spheres
         if key not in self._models:
             chosen = self._spheres if spheres else ()
-            self._models[key] = StageModel(self.robot, self.config.horizon, chosen, frames)
+            self._models[key] = self._kind(self.robot, self.config.horizon, chosen, frames)
         return self._models[key]
 
     def _solve_levels(
@@ -197,18 +203,35 @@ class Htmpc:
         before: Plan | None = None,
         around: CollisionScene | None = None,
         frames: tuple[str, ...] = (TOOL,),
+        tasks: Sequence[Task] = (),
     ) -> Program:
-        """Return what all levels of a solve share, for tasks of ``frames``; see ``solve``."""
+        """Return what all levels of a solve share, for tasks of ``frames``; see ``solve``.
+
+        The errors of the ``tasks`` are computed with every iterate, where that is compiled.
+        """
         robot, model = self.robot, self._model(frames, self._floor or around is not None)
         previous = np.zeros(robot.n) if before is None else before.input_before(start.stamp)
+        hard = None if self._hard is None else self._hard.at(start.q[-robot.n :], start.v)
+        collisions = Collisions(self.config.collision, model, around)
+        state = start.q, start.v, previous
+        if isinstance(model, CompiledStageModel):
+            return CompiledProgram(
+                self.horizon,
+                model,
+                self._costs,
+                collisions=collisions,
+                hard=hard,
+                start=state,
+                tasks=tasks,
+            )
         return Program(
             self.horizon,
             model,
-            self._effort,
-            self._barrier,
-            collisions=Collisions(self.config.collision, model, around),
-            hard=None if self._hard is None else self._hard.at(start.q[-robot.n :], start.v),
-            start=(start.q, start.v, previous),
+            self._costs.effort,
+            self._costs.barrier,
+            collisions=collisions,
+            hard=hard,
+            start=state,
         )
 
     def _guess(
@@ -237,6 +260,16 @@ class Htmpc:
                 )
         if not objectives:
             raise InputError("htmpc: at least one task is needed")
+
+
+def _model_kind(config: HtmpcConfig) -> type[StageModel]:
+    """Return whether kinematics, and with them all costs, are compiled."""
+    if config.evaluation == "plain":
+        return StageModel
+    if available():
+        return CompiledStageModel
+    warnings.warn("numba is not installed: the MPC's costs are computed without it", stacklevel=3)
+    return StageModel
 
 
 def _led(program: Program, task: Task, iterate: Iterate) -> Iterate:

@@ -53,7 +53,7 @@ class Subject(Protocol):
         """The joints of ``joint_positions``; empty: all but the base's."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Measure:
     """How an error is measured: e of shape (N, s), and J = de/dq, (N, s, n_q) or (s, n_q) constant.
 
@@ -61,6 +61,8 @@ class Measure:
         lengths: 1 for each row that is a length [m], 0 for an angle [rad], shape (s,).
         columns: r, of the reference.
         frame: which the kinematics must have; empty: none.
+        kind: of what is measured.
+        places: of a base or joints: the coordinates in q that the rows are of.
     """
 
     lengths: NDArray[np.bool_]
@@ -68,6 +70,8 @@ class Measure:
     frame: str
     error: Callable[[StageKinematics, Matrix], Matrix]
     jacobian: Callable[[StageKinematics, Matrix], Array]
+    kind: Kind
+    places: tuple[int, ...] = ()
 
     @property
     def rows(self) -> int:
@@ -124,6 +128,7 @@ def _position(frame: str) -> Measure:
         frame,
         lambda at, reference: at.frames[frame].position - reference,
         lambda at, _reference: at.frames[frame].jacobian[:, :3],
+        "ee_position",
     )
 
 
@@ -145,7 +150,7 @@ def _pose(frame: str) -> Measure:
         both[:, 3:] = log_slopes(_turned(frame, at, reference[:, 3:])) @ both[:, 3:]
         return both
 
-    return Measure(np.arange(6) < 3, 7, frame, error, jacobian)
+    return Measure(np.arange(6) < 3, 7, frame, error, jacobian, "ee_pose")
 
 
 def _orientation(frame: str) -> Measure:
@@ -161,6 +166,7 @@ def _orientation(frame: str) -> Measure:
         frame,
         lambda at, reference: _turned(frame, at, reference),
         jacobian,
+        "ee_orientation",
     )
 
 
@@ -173,6 +179,8 @@ def _base_position(coordinates: int) -> Measure:
         "",
         lambda at, reference: at.q[:, :2] - reference,
         lambda _at, _reference: jacobian,
+        "base_position",
+        (0, 1),
     )
 
 
@@ -185,7 +193,8 @@ def _base_pose(coordinates: int) -> Measure:
         off[:, 2] = np.pi - np.remainder(np.pi - off[:, 2], 2.0 * np.pi)
         return off
 
-    return Measure(np.arange(3) < 2, 3, "", error, lambda _at, _reference: jacobian)
+    constant = lambda _at, _reference: jacobian  # noqa: E731
+    return Measure(np.arange(3) < 2, 3, "", error, constant, "base_pose", (0, 1, 2))
 
 
 def _joints(places: list[int], robot: RobotModel) -> Measure:
@@ -198,6 +207,8 @@ def _joints(places: list[int], robot: RobotModel) -> Measure:
         "",
         lambda at, reference: at.q[:, places] - reference,
         lambda _at, _reference: jacobian,
+        "joint_positions",
+        tuple(places),
     )
 
 

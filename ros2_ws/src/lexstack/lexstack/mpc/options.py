@@ -11,6 +11,9 @@ from lexstack.options import NotNegative, Positive, Range
 Constraint = Literal["sum", "stage", "axis"]
 """How the levels below keep a level's result: H(11) as printed, per stage, or H(12)."""
 
+Evaluation = Literal["compiled", "plain"]
+"""How costs and their derivatives are computed: by the compiled code, or by numpy and CasADi."""
+
 _MOST_STAGES = 100
 _Fraction = Annotated[float, Range(0.0, 1.0, open=True)]
 
@@ -100,6 +103,8 @@ class HtmpcConfig:
     # whether the other robots are avoided where their plans, or else their velocities, will take
     # them; false: where they stand
     predict_others: bool = False
+    # of costs and their derivatives: by compiled code, or by numpy; the same but for rounding
+    evaluation: Evaluation = "compiled"
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a correction of what has none."""

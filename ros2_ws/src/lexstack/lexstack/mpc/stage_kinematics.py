@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -30,28 +31,56 @@ class FrameStates:
     jacobian: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class StageKinematics:
+class StageKinematics(ABC):
     """Where frames and spheres are at each stage, world frame.
 
     Attributes:
         q: the configurations, shape (N, n_q).
-        frames: those that the model was made for, by name.
         centers: of the spheres, shape (N, s, 3), m.
-        slopes: their Jacobians by q, shape (N, 3 s, n_q).
         found: what tasks and distances have found here, each by itself, so that none looks twice.
     """
 
-    q: Matrix
-    frames: dict[str, FrameStates]
-    centers: Array
-    slopes: Array
-    found: dict[object, Any] = field(default_factory=dict)
+    def __init__(self, q: Matrix, centers: Array) -> None:
+        """Take configurations, and where the spheres are there."""
+        self.q = q
+        self.centers = centers
+        self.found: dict[object, Any] = {}
+
+    @property
+    @abstractmethod
+    def frames(self) -> dict[str, FrameStates]:
+        """Those that the model was made for, by name."""
+
+    @property
+    @abstractmethod
+    def slopes(self) -> Array:
+        """Jacobians of the spheres' centres by q, shape (N, 3 s, n_q)."""
 
     @property
     def tool(self) -> FrameStates:
         """The frame ``tool``."""
         return self.frames[TOOL]
+
+
+class GeneratedStages(StageKinematics):
+    """As generated code has computed them, all at once."""
+
+    def __init__(
+        self, q: Matrix, centers: Array, frames: dict[str, FrameStates], slopes: Array
+    ) -> None:
+        """Take what was computed."""
+        super().__init__(q, centers)
+        self._frames, self._slopes = frames, slopes
+
+    @property
+    def frames(self) -> dict[str, FrameStates]:
+        """Those that the model was made for, by name."""
+        return self._frames
+
+    @property
+    def slopes(self) -> Array:
+        """Jacobians of the spheres' centres by q, shape (N, 3 s, n_q)."""
+        return self._slopes
 
 
 class StageModel:
@@ -74,13 +103,11 @@ class StageModel:
         frames: tuple[str, ...] = (TOOL,),
     ) -> None:
         """Generate the code; raises ModelError where the robot does not allow it."""
-        from lexstack.mpc.symbolic import stage_function  # noqa: PLC0415 - CasADi, 0.1 s
-
         self.stages = stages
         self.n = robot.nq
         self.frames = frames
         self.spheres = spheres
-        function = stage_function(robot, spheres, frames).map(stages)
+        self._generate(robot)
         chosen = [robot.config.spheres[place] for place in spheres]
         self.radii: Vector = np.array([config.radius for config in chosen])
         on_arm: Matrix = robot.spheres.moved_by[:, robot.arm]
@@ -93,11 +120,17 @@ class StageModel:
             ],
             dtype=bool,
         )
-        count = len(spheres)
-        self._q = np.zeros((stages, self.n))
+
+    def _generate(self, robot: RobotModel) -> None:
+        """Generate the code, and its buffers."""
+        from lexstack.mpc.symbolic import stage_function  # noqa: PLC0415 - CasADi, 0.1 s
+
+        function = stage_function(robot, self.spheres, self.frames).map(self.stages)
+        count = len(self.spheres)
+        self._q = np.zeros((self.stages, self.n))
         one = ((3,), (3, 3), (6, self.n))
-        shapes = (*one * len(frames), (count, 3), (3 * count, self.n))
-        self._results = tuple(np.zeros((stages, *shape)) for shape in shapes)
+        shapes = (*one * len(self.frames), (count, 3), (3 * count, self.n))
+        self._results = tuple(np.zeros((self.stages, *shape)) for shape in shapes)
         # The buffer object must live as long as the call that writes through it.
         buffer: tuple[Any, Any] = function.buffer()
         self._buffer, self._call = buffer
@@ -114,4 +147,4 @@ class StageModel:
         places = {
             name: FrameStates(*parts[3 * i : 3 * i + 3]) for i, name in enumerate(self.frames)
         }
-        return StageKinematics(self._q.copy(), places, centers, slopes)
+        return GeneratedStages(self._q.copy(), centers, places, slopes)

@@ -2,33 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
-import numpy as np
 import pinocchio as pin
 
-from lexstack.errors import ModelError
+from lexstack.mpc.stage.chain import Axis, BodyPoint, axis_of, rounded, sphere_of
 from lexstack.robots import RobotModel
 from lexstack.robots.assembly import TOOL
-from lexstack.types import Matrix, Vector
-
-
-@dataclass(frozen=True, slots=True)
-class _Axis:
-    """A joint of one degree of freedom: its column, and the axis in its own frame."""
-
-    column: int
-    direction: Vector
-    turns: bool
-
-
-@dataclass(frozen=True, slots=True)
-class _Point:
-    """A point on a joint's body: the joint, and where it is in the joint's frame [m]."""
-
-    joint: int
-    offset: Vector
+from lexstack.types import Vector
 
 
 def stage_function(
@@ -52,20 +32,20 @@ def stage_function(
         ModelError: a joint has no constant axis, a sphere's link or a frame is not there.
     """
     model = robot.pinocchio
-    axes = [_axis(robot, joint) for joint in range(1, model.njoints)]
+    axes = [axis_of(robot, joint) for joint in range(1, model.njoints)]
     independent = ca.SX.sym("q", robot.nq)
     q = independent
     if robot.map is not None:
         q = ca.mtimes(ca.sparsify(ca.DM(robot.map.matrix)), q) + ca.DM(robot.map.offset)
     rotations, origins = _placements(model, axes, q)
-    points = [_sphere(robot, place) for place in spheres]
+    points = [sphere_of(robot, place) for place in spheres]
     centers = [_place(rotations, origins, point) for point in points]
     slopes = [_columns(model, axes, rotations, origins, point).T for point in points]
     follows = None if robot.map is None else ca.sparsify(ca.DM(robot.map.matrix.T))
     outputs, names = [], []
     for i, name in enumerate(frames):
         frame = model.frames[robot.frame(name)]
-        origin = _Point(frame.parentJoint, frame.placement.translation)
+        origin = BodyPoint(frame.parentJoint, frame.placement.translation)
         columns = _columns(model, axes, rotations, origins, origin)
         jacobian = ca.horzcat(columns.T, _angular(model, axes, rotations, origin.joint).T)
         turned = rotations[origin.joint] @ frame.placement.rotation
@@ -85,29 +65,13 @@ def stage_function(
     return ca.Function("stage", [independent], dense, ["q"], [*names, "centers", "slopes"])
 
 
-def _axis(robot: RobotModel, joint: int) -> _Axis:
-    """Return a joint's axis; raises ModelError where it has none that is constant."""
-    model = robot.pinocchio
-    kind = model.joints[joint]
-    name = model.names[joint]
-    if kind.nv != 1 or kind.nq != 1:
-        raise ModelError(f"robot {robot.name}: {name}: only joints with one coordinate, not turns")
-    data = model.createData()
-    jacobian = pin.computeJointJacobian(model, data, pin.neutral(model), joint)
-    motion = jacobian[:, kind.idx_v]
-    linear, angular = motion[:3], motion[3:]
-    if np.any(linear) == np.any(angular):
-        raise ModelError(f"robot {robot.name}: {name}: neither slides nor turns about one axis")
-    return _Axis(kind.idx_v, angular if np.any(angular) else linear, bool(np.any(angular)))
-
-
-def _placements(model: pin.Model, axes: list[_Axis], q: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
+def _placements(model: pin.Model, axes: list[Axis], q: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
     """Return rotation and origin of each joint's frame in the world; index 0 is the world."""
     rotations, origins = [ca.SX.eye(3)], [ca.SX.zeros(3)]
     for joint, axis in enumerate(axes, start=1):
         parent = model.parents[joint]
         fixed = model.jointPlacements[joint]
-        rotation = ca.mtimes(rotations[parent], _rounded(fixed.rotation))
+        rotation = ca.mtimes(rotations[parent], ca.sparsify(ca.DM(rounded(fixed.rotation))))
         origin = origins[parent] + ca.mtimes(rotations[parent], ca.DM(fixed.translation))
         if axis.turns:
             rotation = ca.mtimes(rotation, _turn(axis.direction, q[axis.column]))
@@ -116,12 +80,6 @@ def _placements(model: pin.Model, axes: list[_Axis], q: ca.SX) -> tuple[list[ca.
         rotations.append(rotation)
         origins.append(origin)
     return rotations, origins
-
-
-def _rounded(rotation: Matrix) -> ca.DM:
-    """Return a fixed rotation as sparse numbers; entries that are rounding alone become zeros."""
-    exact = np.where(np.abs(rotation) < 1e-15, 0.0, rotation)
-    return ca.sparsify(ca.DM(exact))
 
 
 def _turn(axis: Vector, angle: ca.SX) -> ca.SX:
@@ -133,7 +91,7 @@ def _turn(axis: Vector, angle: ca.SX) -> ca.SX:
     return c * (ca.DM.eye(3) - outer) + outer + ca.sin(angle) * cross
 
 
-def _place(rotations: list[ca.SX], origins: list[ca.SX], point: _Point) -> ca.SX:
+def _place(rotations: list[ca.SX], origins: list[ca.SX], point: BodyPoint) -> ca.SX:
     """Return where a point is in the world, shape (3,)."""
     return origins[point.joint] + ca.mtimes(
         rotations[point.joint], ca.sparsify(ca.DM(point.offset))
@@ -142,10 +100,10 @@ def _place(rotations: list[ca.SX], origins: list[ca.SX], point: _Point) -> ca.SX
 
 def _columns(
     model: pin.Model,
-    axes: list[_Axis],
+    axes: list[Axis],
     rotations: list[ca.SX],
     origins: list[ca.SX],
-    point: _Point,
+    point: BodyPoint,
 ) -> ca.SX:
     """Return the velocity of a point per joint velocity, shape (3, n), world frame."""
     where = _place(rotations, origins, point)
@@ -158,7 +116,7 @@ def _columns(
     return result
 
 
-def _angular(model: pin.Model, axes: list[_Axis], rotations: list[ca.SX], body: int) -> ca.SX:
+def _angular(model: pin.Model, axes: list[Axis], rotations: list[ca.SX], body: int) -> ca.SX:
     """Return the angular velocity of a body per joint velocity, shape (3, n), world frame."""
     result = ca.SX(3, model.nq)
     for joint in list(model.supports[body])[1:]:
@@ -166,13 +124,3 @@ def _angular(model: pin.Model, axes: list[_Axis], rotations: list[ca.SX], body: 
         if axis.turns:
             result[:, axis.column] = ca.mtimes(rotations[joint], ca.DM(axis.direction))
     return result
-
-
-def _sphere(robot: RobotModel, place: int) -> _Point:
-    """Return a configured sphere's centre; raises ModelError for a place that is not there."""
-    configs = robot.config.spheres
-    if not 0 <= place < len(configs):
-        raise ModelError(f"robot {robot.name}: spheres: no entry {place} of {len(configs)}")
-    model, config = robot.pinocchio, configs[place]
-    frame = model.frames[model.getFrameId(config.link, pin.FrameType.BODY)]
-    return _Point(frame.parentJoint, frame.placement.act(np.array(config.xyz)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -45,11 +46,24 @@ class Objective:
     joints: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Form:
+    """What tasks of one kind have in common; see ``Task`` for the attributes."""
+
+    measure: Measure
+    weights: Matrix
+    binding: Matrix
+    tolerance: Vector
+    moving: Vector | None
+
+
 class Task:
     """An objective with its weights: what one level minimises and later levels must not spoil.
 
     Attributes:
         objective: what it was made from.
+        measure: how its error is measured.
+        reference: at the states 1 to N, shape (N, r): the objective's, or what leads to it.
         weights: Q at the states 1 to N - 1 and P at N, on the diagonal, shape (N, s).
         binding: weights of the rows that bind levels below, 0 for others, shape (N, s).
         tolerance: delta of H(13) per row, shape (s,), m and rad; inf: the row binds no level below.
@@ -78,28 +92,22 @@ class Task:
             state: the measured q and v.
         """
         self.objective = objective
-        self._measure = measure = measure_of(objective, robot)
-        expected = (config.horizon, measure.columns)
+        form = _form_of(_subject(objective), config, robot, guided=False)
+        expected = (config.horizon, form.measure.columns)
         if objective.reference.shape != expected or not np.isfinite(objective.reference).all():
             raise InputError(
                 f"task {objective.name}: reference of shape {objective.reference.shape}, "
                 f"expected finite numbers of shape {expected}"
             )
         self.inputs: Matrix | None = None
-        self._reference = objective.reference
+        self.reference = objective.reference
         if lead is not None and state is not None and objective.kind.startswith("base"):
-            self._reference, self.inputs = lead.motion(*state, objective.reference)
-            as_pose = replace(objective, kind="base_pose", reference=self._reference)
-            self._measure = measure = measure_of(as_pose, robot)
-        self.frame = measure.frame
-        weights = weights_of(objective.kind, config)
-        self.weights = _weights(weights, measure, config.horizon)
-        lengths = measure.lengths
-        self.tolerance: Vector = np.where(lengths, weights.tolerance, weights.tolerance_angle)
-        self.tolerance[expected[1] :] = np.inf  # rows that only guide
-        guides = np.isinf(self.tolerance)
-        self.binding = np.where(guides, 0.0, self.weights) if guides.any() else self.weights
-        self.moving = _moving(objective.moves, robot)
+            self.reference, self.inputs = lead.motion(*state, objective.reference)
+            form = _form_of(_subject(objective), config, robot, guided=True)
+        self.measure = form.measure
+        self.frame = form.measure.frame
+        self.weights, self.binding = form.weights, form.binding
+        self.tolerance, self.moving = form.tolerance, form.moving
 
     def error(self, at: StageKinematics) -> Matrix:
         """Return e at the states 1 to N, shape (N, s)."""
@@ -112,7 +120,7 @@ class Task:
     def _found(self, at: StageKinematics) -> tuple[Matrix, float]:
         """Return error and cost; levels and their constraints ask for them again and again."""
         if self not in at.found:
-            error = self._measure.error(at, self._reference)
+            error = self.measure.error(at, self.reference)
             error.setflags(write=False)
             at.found[self] = error, self.cost(error)
         found: tuple[Matrix, float] = at.found[self]
@@ -120,7 +128,7 @@ class Task:
 
     def jacobian(self, at: StageKinematics) -> Array:
         """Return de/dq, shape (N, s, n)."""
-        jacobian = self._measure.jacobian(at, self._reference)
+        jacobian = self.measure.jacobian(at, self.reference)
         if jacobian.ndim == 2:
             jacobian = np.broadcast_to(jacobian, (len(at.q), *jacobian.shape))
         return jacobian
@@ -140,7 +148,7 @@ class Task:
     @property
     def stage_tolerance(self) -> Vector:
         """The cost of an error whose norm is the tolerance, at each state, shape (N,)."""
-        lengths = self._measure.lengths
+        lengths = self.measure.lengths
         share = np.where(np.isinf(self.tolerance), 0.0, np.square(self.tolerance))
         for rows in (lengths, ~lengths):
             share[rows] /= max(1, int(rows.sum()))
@@ -152,6 +160,35 @@ def weights_of(kind: Kind, config: HtmpcConfig) -> TaskWeightsConfig:
     if kind == "joint_positions":
         return config.joint
     return config.ee if kind.startswith("ee") else config.base
+
+
+_Subject = tuple[str, Kind, Moves, str, tuple[str, ...]]
+
+
+def _subject(objective: Objective) -> _Subject:
+    """Return what of a robot an objective moves, and with which joints."""
+    return objective.name, objective.kind, objective.moves, objective.frame, objective.joints
+
+
+@lru_cache(maxsize=256)
+def _form_of(subject: _Subject, config: HtmpcConfig, robot: RobotModel, *, guided: bool) -> _Form:
+    """Return what does not change from solve to solve; raises InputError as ``measure_of``.
+
+    ``guided``: the pose of a motion that leads to the reference is followed.
+    """
+    name, kind, moves, frame, joints = subject
+    asked = Objective(name, kind, np.zeros((0, 0)), moves, frame, joints)
+    measure = measure_of(replace(asked, kind="base_pose") if guided else asked, robot)
+    chosen, lengths = weights_of(kind, config), measure.lengths
+    weights = _weights(chosen, measure, config.horizon)
+    tolerance = np.where(lengths, chosen.tolerance, chosen.tolerance_angle)
+    tolerance[measure_of(asked, robot).columns :] = np.inf  # rows that only guide
+    guides = np.isinf(tolerance)
+    binding = np.where(guides, 0.0, weights) if guides.any() else weights
+    moving = _moving(moves, robot)
+    for array in (weights, binding, tolerance):
+        array.setflags(write=False)
+    return _Form(measure, weights, binding, tolerance, moving)
 
 
 def _moving(moves: Moves, robot: RobotModel) -> Vector | None:

@@ -33,6 +33,8 @@ Array = NDArray[np.float64]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS  # on [0, 1]
+QUADRATURE: Matrix = np.ascontiguousarray(np.stack((_NODES, _WEIGHTS), axis=1))
+"""Nodes and weights of a stage, shape (5, 2)."""
 
 
 def driven(q: Vector, v: Vector, u: Vector, duration: float) -> Vector:

@@ -132,15 +132,18 @@ def read_provenance(container: Container) -> tuple[dict[str, str], ResolvedScena
     return provenance, resolved
 
 
-def _since() -> dict[str, object]:
+def _since() -> dict[str, dict[str, object]]:
     """Return what stands for keys that older bags do not have.
 
-    Their targets stepped, and all methods and solvers were known: now some are where they can be
-    loaded.
+    Their targets stepped, all methods and solvers were known: now some are where they can be
+    loaded. The costs of their MPC were not compiled.
     """
     found = find_spec(_BROUGHT) is not None
     extensions = [f"{_BROUGHT}.{part}" for part in ("methods", "solvers") if found]
-    return {"lead_in": 0.0, "extensions": extensions}
+    return {
+        "scenario": {"lead_in": 0.0, "extensions": extensions},
+        "htmpc": {"evaluation": "plain"},
+    }
 
 
 def _published_scenario(container: Container) -> str | None:

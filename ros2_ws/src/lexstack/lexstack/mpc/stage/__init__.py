@@ -1,0 +1,1 @@
+"""What an iterate of the MPC costs, compiled: roll-out, kinematics, barriers, effort and tasks."""
