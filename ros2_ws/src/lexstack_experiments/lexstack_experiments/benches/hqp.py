@@ -22,7 +22,7 @@ from lexstack.hqp import HqpSolver, make_solver
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.hierarchies.peers import STRICT, WEIGHTED, Pink, installed
 from lexstack_experiments.hierarchies.recorded import Sequence, record
-from lexstack_experiments.hierarchies.score import Score
+from lexstack_experiments.hierarchies.score import STRICT_WITHIN, Score
 from lexstack_experiments.measuring import no_collection, p50_p99
 from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 from lexstack_experiments.runs import scenario_of
@@ -31,7 +31,6 @@ NAME = "hqp"
 PASSES = 5
 LONGEST = 200  # problems of a sequence
 SLOWER = 10.0
-STRICT_WITHIN = 1e-6  # excess of a peer that still counts as strict, m/s or rad/s
 OURS = ("kernel", "daqp", "proxqp", "quadprog")
 _US = 1e6
 _AT_BOUNDS = ", at bounds"

@@ -12,6 +12,9 @@ from lexstack_experiments.hierarchies.certificate import certified_excess
 from lexstack_experiments.hierarchies.random_problems import SINGULAR
 from lexstack_experiments.solvers import lexicographic_oracle
 
+STRICT_WITHIN = 1e-6
+"""Excess of a solution that still counts as strict, m/s or rad/s."""
+
 
 @dataclass(slots=True)
 class Score:
@@ -52,9 +55,11 @@ class Score:
         return solution
 
 
-def score(solver: HqpSolver, given: Iterable[tuple[str, HqpProblem]]) -> dict[str, Score]:
-    """Return a solver's score by kind of problem."""
+def score(
+    solver: HqpSolver, given: Iterable[tuple[str, HqpProblem]], within: float = np.inf
+) -> dict[str, Score]:
+    """Return a solver's score by kind of problem; an excess above ``within`` is a failure."""
     scores: dict[str, Score] = {}
     for kind, whole in given:
-        scores.setdefault(kind, Score()).add(whole, solver, kind == SINGULAR)
+        scores.setdefault(kind, Score(within)).add(whole, solver, kind == SINGULAR)
     return scores
