@@ -7,12 +7,14 @@ import os
 import sys
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
 from lexstack.errors import ConfigurationError, LexstackError
 from lexstack_bag.storage.folders import empty_folder
 from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.quiet import Watch
 from lexstack_experiments.text import lines_of
 
 FAILED, BAD_ARGUMENT, INTERRUPTED = 1, 2, 130
@@ -38,7 +40,8 @@ def run_command(
     experiment = known[parsed.name]
     try:
         options = _options(root, kind, experiment, parsed)
-        return _run(experiment, options, parsed.strict)
+        watch = Watch() if kind == "bench" else None
+        return _run(experiment, options, parsed.strict, watch)
     except LexstackError as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_ARGUMENT if isinstance(error, ConfigurationError) else FAILED
@@ -47,9 +50,11 @@ def run_command(
         return INTERRUPTED
 
 
-def _run(experiment: Experiment, options: Options, strict: bool) -> int:
+def _run(experiment: Experiment, options: Options, strict: bool, watch: Watch | None) -> int:
     """Run, write, print; returns the exit code."""
     results = experiment.run(options)
+    if watch is not None:
+        results = replace(results, quiet=watch.seen())
     path = options.out / "results.json"
     path.write_text(results.to_json(), encoding="utf-8")
     options.say(f"wrote {path}")

@@ -50,7 +50,9 @@ class KernelSolver:
             InputError: a task does not fit chi (a programming error, not a state of the robot).
         """
         start = time.perf_counter()
-        low, high = problem.bounds.lower, problem.bounds.upper
+        # The kernel takes rows that lie one behind the other; most arrays are so already.
+        low = np.ascontiguousarray(problem.bounds.lower, dtype=float)
+        high = np.ascontiguousarray(problem.bounds.upper, dtype=float)
         n = low.size
         tasks = [task for level in problem.levels for task in level]
         _check(tasks, n)
@@ -65,6 +67,7 @@ class KernelSolver:
             )
         )
         matrix = np.concatenate([task.matrix for task in tasks], dtype=float)
+        matrix = np.ascontiguousarray(matrix)  # concatenated columns stay columns
         lower = np.concatenate([task.lower for task in tasks], dtype=float)
         upper = lower
         if [task for task in tasks if task.upper is not task.lower]:
