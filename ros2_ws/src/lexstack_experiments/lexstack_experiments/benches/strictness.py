@@ -29,7 +29,7 @@ _NOTES = (
     "duality; the largest of all levels and problems that were solved. Half of the problems have",
     "inequality rows; 10 to 80 variables, 1 to 5 levels. Near-singular: the least singular value",
     "of level 1 is 1e-2 to 1e-16. Outside: how far chi left the bounds. Failures: no answer, or",
-    "an excess above 1e-6.",
+    "an excess above 1e-6, near-singular 1e-5.",
 )
 
 
