@@ -139,10 +139,14 @@ def test_bench_transition(tmp_path):
 @pytest.mark.timeout(300)
 def test_bench_tick(tmp_path):
     content = results_of(bench.main, "tick", tmp_path)
-    rows = content["tables"][0]["rows"]
+    ratios, rows = (table["rows"] for table in content["tables"])
     kinds = {"track", "reach_base", "posture", "blend", "out of reach"}
-    assert {(row["robots"], row["tick"]) for row in rows} == {(n, k) for n in (1, 2) for k in kinds}
+    for table in (ratios, rows):
+        keys = {(row["robots"], row["tick"]) for row in table}
+        assert keys == {(n, k) for n in (1, 2) for k in kinds}
     assert all(row["us p99"] >= row["us p50"] >= row["us p50, quiet"] > 0.0 for row in rows)
+    assert all(row["p50 over the cascade"] < 1.0 for row in ratios), "the kernel is compiled"
+    assert content["quiet"]["spread"] >= 1.0
 
 
 def test_robots(tmp_path):

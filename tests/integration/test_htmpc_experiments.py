@@ -110,7 +110,7 @@ def test_computation(tmp_path, monkeypatch):
     assert figures["Solves with a failed level"] == 0.0
     assert {row["spheres"] for row in rows} == {0, 10}
     assert all(0.1 < row["ms mean"] < 1e3 for row in [*rows, *htidkc])
-    ratios = [row["ratio"] for row in rows if row["parameters"] == "authors"]
+    ratios = [row["paper over ours"] for row in rows if row["parameters"] == "authors"]
     assert min(ratios) > 1.0
 
 

@@ -21,6 +21,8 @@ class Options:
         cases: how many cases to run, at least 1.
         seconds: how long it shall run, where it has a duration; 0: as usual.
         say: told what happens, in single lines.
+        peers: Pythons with packages of peers that do not fit ours (benches).
+        against: another clone of this project to be measured in turns with ours (benches).
     """
 
     config: Path
@@ -29,6 +31,8 @@ class Options:
     cases: int
     say: Callable[[str], None] = lambda _line: None
     seconds: float = 0.0
+    peers: tuple[Path, ...] = ()
+    against: Path | None = None
 
     def results(
         self,
@@ -55,6 +59,8 @@ class Experiment:
         run: does it.
         seconds: its usual duration of wall time [s], if it has one.
         soak: its duration with ``--soak`` [s].
+        peers: names of peers that it measures in a Python of their own.
+        against: whether it can be measured against another clone.
     """
 
     summary: str
@@ -63,3 +69,5 @@ class Experiment:
     run: Callable[[Options], Results]
     seconds: float = 0.0
     soak: float = 0.0
+    peers: tuple[str, ...] = ()
+    against: bool = False

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 from lexstack_experiments.machine import Machine, commit_here
+from lexstack_experiments.quiet import Quiet
 
 Cell = str | float | int | None
 """A cell of a table; None where a row has no such figure."""
@@ -128,6 +129,7 @@ class Results:
         notes: what a reader of the table must know, in whole sentences.
         machine: what it ran on.
         commit: of the source that ran; with a plus sign where files differed from it.
+        quiet: whether the machine was left to it; None where nobody looked.
     """
 
     name: str
@@ -139,6 +141,7 @@ class Results:
     notes: tuple[str, ...] = ()
     machine: Machine = field(default_factory=Machine.here)
     commit: str = field(default_factory=commit_here)
+    quiet: Quiet | None = None
 
     @property
     def goals(self) -> tuple[Figure, ...]:

@@ -19,6 +19,7 @@ def lines_of(results: Results) -> list[str]:
         [f"{results.name}: {made}, {machine}"],
         *(aligned(table) for table in results.tables),
         list(results.notes),
+        [results.quiet.text] if results.quiet else [],
         aligned(figures) if results.figures else [],
     ]
     return [line for part in parts if part for line in (*part, "")] + [reached_line(results)]

@@ -49,6 +49,21 @@ class Nobody:
         raise AssertionError("the kernel left a problem to the solver behind it")
 
 
+def test_arrays_in_any_order_of_memory_are_the_same_problem():
+    """Clusters of large problems give matrices by columns, and users transposed or sliced ones."""
+    given = problem("nominal", 3, 14, 3)
+    low, high = (np.repeat(end, 2)[::2] for end in (given.bounds.lower, given.bounds.upper))
+    levels = tuple(
+        tuple(
+            LinearTask(task.name, np.asfortranarray(task.matrix), task.lower, task.upper)
+            for task in level
+        )
+        for level in given.levels
+    )
+    found = KernelSolver(Nobody()).solve(HqpProblem(levels, Bounds(low, high)))
+    assert (found.chi == KernelSolver(Nobody()).solve(given).chi).all()
+
+
 def test_problems_of_robots_are_solved_by_the_kernel_alone():
     solver, second = KernelSolver(Nobody()), DaqpCascade()
     for seed in range(20):

@@ -111,6 +111,17 @@ class PaperHtmpc:
             best.append(np.abs(np.array(self._errors[level](*point)).ravel()))
         return u, perf_counter() - begun
 
+    def cost(
+        self,
+        start: tuple[Vector, Vector, Vector],
+        objectives: tuple[Objective, ...],
+        u: Matrix,
+        around: CollisionScene | None = None,
+    ) -> float:
+        """Return the cost H(9a) of the first level at inputs (N, n); arguments as of ``solve``."""
+        given = parameters_of(start, objectives, around, self._config.horizon)
+        return float(self._costs[0](*self._point(u, given)))
+
     def _point(self, u: Matrix, given: list[Matrix]) -> list[Matrix]:
         """Return the arguments of all functions at inputs (N, n)."""
         n = self._n

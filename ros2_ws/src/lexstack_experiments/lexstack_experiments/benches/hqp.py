@@ -11,19 +11,28 @@ stacking included.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from time import thread_time
+from contextlib import ExitStack
 
 import numpy as np
-from numpy.typing import NDArray
 
 import lexstack_experiments.solvers  # noqa: F401 - brings quadprog
-from lexstack.hqp import HqpSolver, make_solver
+from lexstack.hqp import DEFAULT_SOLVER, make_solver
+from lexstack_experiments.benches.against import NOTHING, against_hqp
+from lexstack_experiments.benches.goals import with_goals
+from lexstack_experiments.benches.hqp_runs import (
+    Contestant,
+    Local,
+    Placo,
+    Run,
+    has_intervals,
+    measured,
+)
+from lexstack_experiments.benches.peers import MISSING, child_with
 from lexstack_experiments.experiment import Experiment, Options
-from lexstack_experiments.hierarchies.peers import STRICT, WEIGHTED, Pink, installed
+from lexstack_experiments.hierarchies.peers import STRICT, DaqpHierarchy, installed
 from lexstack_experiments.hierarchies.recorded import Sequence, record
-from lexstack_experiments.hierarchies.score import Score
-from lexstack_experiments.measuring import no_collection, p50_p99
+from lexstack_experiments.hierarchies.weighted import WEIGHTED
+from lexstack_experiments.measuring import paired_ratio
 from lexstack_experiments.results import Cell, Figure, Goal, Peer, Results, Table, zero
 from lexstack_experiments.runs import scenario_of
 
@@ -31,19 +40,10 @@ NAME = "hqp"
 PASSES = 5
 LONGEST = 200  # problems of a sequence
 SLOWER = 10.0
-STRICT_WITHIN = 1e-6  # excess of a peer that still counts as strict, m/s or rad/s
-OURS = ("kernel", "daqp", "proxqp", "quadprog")
-_US = 1e6
+OTHERS = ("daqp", "proxqp", "quadprog")
+OURS = f"lexstack {DEFAULT_SOLVER}"
+_PEER = DaqpHierarchy.name
 _AT_BOUNDS = ", at bounds"
-# What a sequence's name has in it, and its goals of p50 and p99, us; the first that fits holds.
-_GOALS = {
-    _AT_BOUNDS: (30.0, 70.0),
-    "distances": (35.0, 90.0),
-    "follow-chi": (20.0, 45.0),
-    "base": (25.0, 45.0),
-    "posture": (28.0, 45.0),
-}
-_PEER, _RATIO = "DAQP hierarchical", 0.5
 _NAMES = {
     "track": "2 levels",
     "reach_base": "base",
@@ -54,45 +54,57 @@ _NAMES = {
 
 _COLUMNS = ("sequence", "solver", "failures", "excess", "outside", "us p50", "us p99", "us quiet")
 _NOTES = (
-    "failures: no answer, or an excess above 1e-6; excess: of a level's residual over the least",
-    "possible one (certificate of weak duality), the largest of the sequence; outside: how far chi",
-    "left the bounds. us p50, p99: over all passes; quiet: median over the problems of the fastest",
-    "pass of each. Pink has no strict levels: its costs fall by ten from level to level, and it",
-    "takes no inequality rows. Times are of the thread's processor; ratios within a run hold on",
-    "noisy machines, absolute times drift with them. Ratios to DAQP's hierarchy only where that is",
-    "strict.",
+    "over ours: p50 of a solver over that of the default one, turn by turn, the median of the",
+    "turns; in brackets the problems on which it failed. failures: no answer, or an excess above",
+    "1e-6; excess: of a level's residual over the least possible one (certificate of weak",
+    "duality), the largest of the sequence; outside: how far chi left the bounds. us p50, p99:",
+    "over all passes; quiet: median over the problems of the fastest pass of each. Those with",
+    "weights have no strict levels, so most of their answers count as failures; inequality rows",
+    "are not put to them. Times are of the thread's processor. Ratios to DAQP's hierarchy have a",
+    "goal only where it is strict.",
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Run:
-    """What a solver did on a sequence.
-
-    Attributes:
-        failures: no answer, or one that is not strict.
-        excess: largest certified one.
-        outside: how far chi left the bounds.
-        times: shape (passes, problems) [us].
-    """
-
-    failures: int
-    excess: float
-    outside: float
-    times: NDArray[np.float64]
-
-    @property
-    def p50(self) -> float:
-        """Median over all passes [us]."""
-        return float(np.median(self.times))
-
-    @property
-    def strict(self) -> bool:
-        """Whether all problems were solved as a hierarchy demands."""
-        return self.failures == 0 and self.excess <= STRICT_WITHIN
 
 
 def run(options: Options) -> Results:
     """Record, let everybody solve, and compare."""
+    sequences = recorded(options)
+    options.say(f"recorded {sum(len(s.problems) for s in sequences.values())} problems")
+    with ExitStack() as stack:
+        contestants, missing = _contestants(options, stack)
+        runs = {}
+        for name, sequence in sequences.items():
+            runs[name] = measured(sequence, contestants, options.cases)
+            options.say(f"{name}: {sequence.pressed:.0%} at bounds")
+    before = against_hqp(sequences, options) if options.against else NOTHING
+    about = tuple(
+        (name, len(s.problems), len(s.problems[0].levels), s.pressed)
+        for name, s in sequences.items()
+    )
+    return options.results(
+        NAME,
+        with_goals(NAME, (*_figures(runs), *before[0])),
+        (
+            _ratios(runs, [one.name for one in contestants]),
+            *before[1],
+            Table(
+                _COLUMNS,
+                [
+                    _line(name, solver, one)
+                    for name, by in runs.items()
+                    for solver, one in by.items()
+                ],
+                "times, failures, excess",
+            ),
+            _who(contestants),
+            Table(("sequence", "problems", "levels", "share at bounds"), about, "the problems"),
+        ),
+        {"plant": "ideal", "rate_hz": 100.0, "robots": 2, "slower": SLOWER},
+        (*_NOTES, *missing),
+    )
+
+
+def recorded(options: Options) -> dict[str, Sequence]:
+    """Return the sequences by their names."""
     resolved = scenario_of(options.config)
     sequences = {
         f"{_name(sequence)}{suffix}": sequence
@@ -102,30 +114,26 @@ def run(options: Options) -> Results:
     sequences |= {
         _name(sequence): sequence
         for sequence in record(scenario_of(options.config, "obstacle"), LONGEST)
-        if _has_intervals(sequence) and not sequence.blending
+        if has_intervals(sequence.problems) and not sequence.blending
     }
-    options.say(f"recorded {sum(len(s.problems) for s in sequences.values())} problems")
-    peers, missing = installed((*STRICT, *WEIGHTED))
-    solvers = {f"lexstack {name}": make_solver(name) for name in OURS}
-    solvers |= {peer.name: peer for peer in peers}
-    runs = {name: _measured(sequence, solvers, options) for name, sequence in sequences.items()}
-    lines = [
-        _line(name, solver, found) for name, by in runs.items() for solver, found in by.items()
+    return sequences
+
+
+def _contestants(options: Options, stack: ExitStack) -> tuple[list[Contestant], list[str]]:
+    """Return everybody who is here, ours first, and a line for each who is not."""
+    ours = [
+        Local(make_solver(name), f"lexstack {name}", "a strict hierarchy")
+        for name in (DEFAULT_SOLVER, *OTHERS)
     ]
-    about = tuple(
-        (name, len(s.problems), len(s.problems[0].levels), s.pressed)
-        for name, s in sequences.items()
-    )
-    return options.results(
-        NAME,
-        _figures(runs),
-        (
-            Table(_COLUMNS, lines),
-            Table(("sequence", "problems", "levels", "share at bounds"), about, "the problems"),
-        ),
-        {"plant": "ideal", "rate_hz": resolved.scenario.rate, "robots": 2, "slower": SLOWER},
-        (*_NOTES, *(f"Not installed, so not in the table: {name}." for name in missing)),
-    )
+    peers, names = installed((*STRICT, *WEIGHTED))
+    missing = [f"Not installed, so not in the tables: {name}." for name in names]
+    found: list[Contestant] = [*ours, *(Local(peer) for peer in peers)]
+    placo = child_with("placo", "hqp_placo", options.peers)
+    if placo is None:
+        missing.append(MISSING["placo"])
+    else:
+        found.append(Placo(stack.enter_context(placo)))
+    return found, missing
 
 
 def _name(sequence: Sequence) -> str:
@@ -135,86 +143,66 @@ def _name(sequence: Sequence) -> str:
     return _NAMES.get(sequence.stack, sequence.stack)
 
 
-def _has_intervals(sequence: Sequence) -> bool:
-    """Return whether a sequence has inequality rows."""
-    tasks = [task for level in sequence.problems[0].levels for task in level]
-    return any((task.lower != task.upper).any() for task in tasks)
+def _ratios(runs: dict[str, dict[str, Run]], solvers: list[str]) -> Table:
+    """Return how many times as long as ours everybody takes."""
+    others = [name for name in solvers if name != OURS]
+    lines = [
+        (name, *(_ratio(by.get(other), by[OURS]) for other in others)) for name, by in runs.items()
+    ]
+    return Table(("sequence", *others), lines, "p50 over ours, turn by turn (failures)")
 
 
-def _measured(
-    sequence: Sequence, solvers: dict[str, HqpSolver], options: Options
-) -> dict[str, Run]:
-    """Return what every solver does on a sequence; the passes of the solvers take turns."""
-    if _has_intervals(sequence):
-        solvers = {name: s for name, s in solvers.items() if not isinstance(s, Pink)}
-    times = {name: np.empty((options.cases, len(sequence.problems))) for name in solvers}
-    judged = {name: _judge(sequence, solver) for name, solver in solvers.items()}
-    with no_collection():
-        for number in range(options.cases):
-            for name, solver in solvers.items():
-                times[name][number] = _US * _timed(sequence, solver)
-    options.say(f"{_name(sequence)}: {sequence.pressed:.0%} at bounds")
-    return {name: Run(*judged[name], times[name]) for name in solvers}
+def _ratio(other: Run | None, ours: Run) -> Cell:
+    """Return a cell of the table of ratios."""
+    if other is None:
+        return None
+    ratio = paired_ratio(other.times, ours.times)
+    failures = f" ({other.failures})" if other.failures else ""
+    return f"{ratio:.1f}{failures}"
 
 
-def _timed(sequence: Sequence, solver: HqpSolver) -> NDArray[np.float64]:
-    """Return the processor's time of each problem [s], warm from the one before."""
-    times, warm = np.empty(len(sequence.problems)), None
-    for k, problem in enumerate(sequence.problems):
-        begun = thread_time()
-        warm = solver.solve(problem, warm)
-        times[k] = thread_time() - begun
-    return times
-
-
-def _judge(sequence: Sequence, solver: HqpSolver) -> tuple[int, float, float]:
-    """Return failures, largest excess and largest way out of the bounds; it warms up, too."""
-    found, warm = Score(STRICT_WITHIN), None
-    for problem in sequence.problems:
-        warm = found.add(problem, solver, warm=warm)
-    return found.failures, found.excess, found.outside
+def _who(contestants: list[Contestant]) -> Table:
+    """Return what everybody solves, and whether that is strict."""
+    lines = [(one.name, one.solves, "yes" if one.strict else "no") for one in contestants]
+    return Table(("solver", "solves", "strict by design"), lines, "who solves what")
 
 
 def _line(name: str, solver: str, found: Run) -> tuple[Cell, ...]:
     """Return a row of the table."""
     quiet = float(np.median(found.times.min(axis=0)))
     excess, outside = f"{found.excess:.1e}", f"{found.outside:.1e}"
-    return name, solver, found.failures, excess, outside, *p50_p99(found.times), quiet
+    return name, solver, found.failures, excess, outside, found.p50, found.p99, quiet
 
 
 def _figures(runs: dict[str, dict[str, Run]]) -> list[Figure]:
-    """Return what the default solver is to reach, beside the fastest strict peer."""
-    default = f"lexstack {OURS[0]}"
+    """Return what the default solver is to reach, beside DAQP's hierarchy where that is strict."""
     figures = [
-        zero("Failures of the default solver", sum(by[default].failures for by in runs.values())),
+        zero("Failures of the default solver", sum(by[OURS].failures for by in runs.values())),
         Figure(
             "Excess of the default solver",
-            1e9 * max(by[default].excess for by in runs.values()),
+            1e9 * max(by[OURS].excess for by in runs.values()),
             "1e-9 m/s, rad/s",
             Goal("<=", 10.0),
         ),
     ]
     for name, by in runs.items():
-        figures += _of_sequence(name, by)
-    return figures
-
-
-def _of_sequence(name: str, by: dict[str, Run]) -> list[Figure]:
-    """Return the figures of one sequence: the ratio to the compiled peer first, then times."""
-    ours, other = by[f"lexstack {OURS[0]}"], by.get(_PEER)
-    figures = []
-    if other is not None and other.strict:
-        peer = Peer(f"{_PEER}, us", other.p50)
-        goal = Goal("<=", _RATIO)
-        figures.append(Figure(f"{name}: p50 over its", ours.p50 / other.p50, "", goal, "", peer))
-    goals = next((both for key, both in _GOALS.items() if key in name), None)
-    values = (ours.p50, float(np.percentile(ours.times, 99.0)))
-    for place, (what, value) in enumerate(zip(("p50", "p99"), values, strict=True)):
-        goal = None if goals is None else Goal("<=", goals[place])
-        figures.append(Figure(f"{name}: {what}", value, "us", goal))
+        ours, other = by[OURS], by.get(_PEER)
+        if other is not None and other.strict:
+            ratio = paired_ratio(ours.times, other.times)
+            figures.append(Figure(f"{name}: p50 over {_PEER}", ratio))
+        peer = None if other is None else Peer(_PEER, other.p50)
+        figures += [
+            Figure(f"{name}: p50", ours.p50, "us", peer=peer),
+            Figure(f"{name}: p99", ours.p99, "us"),
+        ]
     return figures
 
 
 EXPERIMENT = Experiment(
-    "the HQP solver beside its peers, on recorded problems", "passes", PASSES, run
+    "the HQP solver beside its peers, on recorded problems",
+    "passes",
+    PASSES,
+    run,
+    peers=("placo",),
+    against=True,
 )

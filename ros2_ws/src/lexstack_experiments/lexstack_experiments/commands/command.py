@@ -7,12 +7,14 @@ import os
 import sys
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
 from lexstack.errors import ConfigurationError, LexstackError
 from lexstack_bag.storage.folders import empty_folder
 from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.quiet import Watch
 from lexstack_experiments.text import lines_of
 
 FAILED, BAD_ARGUMENT, INTERRUPTED = 1, 2, 130
@@ -38,7 +40,8 @@ def run_command(
     experiment = known[parsed.name]
     try:
         options = _options(root, kind, experiment, parsed)
-        return _run(experiment, options, parsed.strict)
+        watch = Watch() if kind == "bench" else None
+        return _run(experiment, options, parsed.strict, watch)
     except LexstackError as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_ARGUMENT if isinstance(error, ConfigurationError) else FAILED
@@ -47,9 +50,11 @@ def run_command(
         return INTERRUPTED
 
 
-def _run(experiment: Experiment, options: Options, strict: bool) -> int:
+def _run(experiment: Experiment, options: Options, strict: bool, watch: Watch | None) -> int:
     """Run, write, print; returns the exit code."""
     results = experiment.run(options)
+    if watch is not None:
+        results = replace(results, quiet=watch.seen())
     path = options.out / "results.json"
     path.write_text(results.to_json(), encoding="utf-8")
     options.say(f"wrote {path}")
@@ -89,7 +94,32 @@ def _parser(kind: str, known: Mapping[str, Experiment]) -> argparse.ArgumentPars
             "--duration", type=float, metavar="S", help=f"of the realtime run [s] ({which})"
         )
         parser.add_argument("--soak", action="store_true", help=f"30 minutes of it ({which})")
+    _add_others(parser, known)
     return parser
+
+
+def _add_others(parser: argparse.ArgumentParser, known: Mapping[str, Experiment]) -> None:
+    """Add what brings others into a bench, where any takes them."""
+    peers = {name: entry.peers for name, entry in known.items() if entry.peers}
+    if peers:
+        which = "; ".join(f"{name}: {', '.join(names)}" for name, names in peers.items())
+        parser.add_argument(
+            "--peers",
+            type=Path,
+            nargs="+",
+            default=[],
+            metavar="PYTHON",
+            help=f"Pythons that have peers whose packages are not ours ({which})",
+        )
+    compared = [name for name, entry in known.items() if entry.against]
+    if compared:
+        parser.add_argument(
+            "--against",
+            type=Path,
+            metavar="FOLDER",
+            help="another clone of this project, measured in turns with this one "
+            f"({', '.join(compared)})",
+        )
 
 
 def _options(root: Path, kind: str, experiment: Experiment, parsed: argparse.Namespace) -> Options:
@@ -101,10 +131,30 @@ def _options(root: Path, kind: str, experiment: Experiment, parsed: argparse.Nam
             f"--cases: must be in [1, {experiment.cases}] ({experiment.case}), got {parsed.cases}"
         )
     seconds = _seconds(experiment, parsed)
+    peers, against = _others(experiment, parsed)
     stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
     out = empty_folder(parsed.out or root / "runs" / f"{kind}-{parsed.name}-{stamp}")
     cases = parsed.cases or experiment.cases
-    return Options(root / "config", out, parsed.seed, cases, _Teller(), seconds)
+    told = (_Teller(), seconds, peers, against)
+    return Options(root / "config", out, parsed.seed, cases, *told)
+
+
+def _others(
+    experiment: Experiment, parsed: argparse.Namespace
+) -> tuple[tuple[Path, ...], Path | None]:
+    """Return the Pythons of peers and the other clone; raises ConfigurationError."""
+    pythons = tuple(getattr(parsed, "peers", ()))
+    if pythons and not experiment.peers:
+        raise ConfigurationError(f"{parsed.name} has no such peers: leave --peers out")
+    for python in pythons:
+        if not os.access(python, os.X_OK):
+            raise ConfigurationError(f"--peers: {python} is no program")
+    folder = getattr(parsed, "against", None)
+    if folder is not None and not experiment.against:
+        raise ConfigurationError(f"{parsed.name} is not compared: leave --against out")
+    if folder is not None and not (folder / "ros2_ws" / "src").is_dir():
+        raise ConfigurationError(f"--against: {folder} is no clone of this project")
+    return pythons, None if folder is None else folder.resolve()
 
 
 def _seconds(experiment: Experiment, parsed: argparse.Namespace) -> float:

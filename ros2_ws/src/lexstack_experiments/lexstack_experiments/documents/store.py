@@ -74,6 +74,8 @@ class Store:
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
             kept = {key: _short(content[key]) for key in _KEPT}
+            if content.get("quiet"):  # of benches alone
+                kept["quiet"] = _short(content["quiet"])
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise ConfigurationError(f"{path}: no results of an experiment: {error}") from error
         kept["tables"] = kept["tables"][_QUOTED_TABLES.get(kept["name"], slice(None))]

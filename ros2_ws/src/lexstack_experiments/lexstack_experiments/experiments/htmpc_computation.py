@@ -75,7 +75,10 @@ def _curves(table: Table) -> dict[str, dict[str, list[tuple[int, float]]]]:
         curves = found.setdefault(str(cells["robot"]), {})
         spheres = ", spheres" if cells["spheres"] else ""
         n = int(cells["N"] or 0)
-        for column, name in (("ms p50", cells["parameters"]), ("paper ms p50", "the paper's way")):
+        for column, name in (
+            ("cpu ms p50", cells["parameters"]),
+            ("paper cpu ms p50", "the paper's way"),
+        ):
             value = cells[column]
             if isinstance(value, float):
                 curves.setdefault(f"{name}{spheres}", []).append((n, value))

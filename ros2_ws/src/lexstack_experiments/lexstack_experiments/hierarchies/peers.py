@@ -1,12 +1,11 @@
-"""What others would use for the same problem: cascades on their libraries, and one with weights.
+"""What others would use for the same problem: cascades on their libraries, and DAQP's own mode.
 
 A cascade as it is usually written: level k minimises ``||A_k chi - b_k||`` with the optimum of the
 levels above as equality rows, T(11), the bounds as bounds, and the library's chi taken as it is.
 An inequality row takes a slack. All libraries get the same care: double precision limits, a
 proximal term where they need a definite H, no printing, no checks that cost time.
 
-DAQP's hierarchical mode takes all levels in one call. Pink, the library that users of weights
-would pick, gets the levels as tasks whose costs fall by ten from level to level.
+DAQP's hierarchical mode takes all levels in one call.
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ from typing import Any
 
 import daqp
 import numpy as np
-import pinocchio
 import quadprog
 from proxsuite import proxqp
 
@@ -38,6 +36,8 @@ It returns x, which minimises x'Hx/2 + f'x, or why not."""
 
 class EqualityCascade:
     """A cascade whose levels keep those above by equality rows."""
+
+    solves = "one QP per level, those above as equality rows"
 
     def __init__(self, name: str, library: Library) -> None:
         """Solve each level with a library."""
@@ -65,7 +65,7 @@ class EqualityCascade:
             upper[soft] = np.maximum(level.upper[soft], value[soft])
             kept.append((level.matrix, lower, upper))
         slacks = hierarchy.slacks(hierarchy.residual(chi))
-        return _solution(chi, slacks, reason, begun)
+        return answered(chi, slacks, reason, begun)
 
 
 def _level(
@@ -93,6 +93,7 @@ class DaqpHierarchy:
     """DAQP's hierarchical mode: all levels in one call."""
 
     name = "DAQP hierarchical"
+    solves = "all levels in one call"
 
     def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
         """Solve all levels; breaks between the levels are rows from which a new one begins."""
@@ -115,7 +116,7 @@ class DaqpHierarchy:
         )
         reason = "" if flag > 0 else f"exit flag {flag}"
         slacks = hierarchy.slacks(hierarchy.residual(x))
-        return _solution(x, slacks, reason, begun)
+        return answered(x, slacks, reason, begun)
 
 
 def _quadprog(
@@ -186,72 +187,7 @@ def _daqp(
     return x if flag > 0 else f"exit flag {flag}"
 
 
-class Pink:
-    """Pink's ``solve_ik`` with the levels as weighted tasks: not strict."""
-
-    name = "Pink, weighted"
-
-    def __init__(self) -> None:
-        """Import it; raises ImportError where it is not installed."""
-        self._pink = import_module("pink")
-        self._configurations: dict[int, Any] = {}
-
-    def solve(self, problem: HqpProblem, warm: Solution | None = None) -> Solution:
-        """Solve with costs 1, 0.1, 0.01, ... for the levels (equality rows only)."""
-        begun = perf_counter()
-        n = problem.bounds.lower.size
-        if n not in self._configurations:
-            self._configurations[n] = self._slides(n)
-        hierarchy = Hierarchy(problem.levels, n)
-        tasks = [
-            _PinkTask(level.matrix, level.lower, 10.0**-k)
-            for k, level in enumerate(hierarchy.levels)
-        ]
-        limit = _PinkLimit(problem.bounds.lower, problem.bounds.upper)
-        reason = ""
-        try:
-            chi = self._pink.solve_ik(
-                self._configurations[n], tasks, 1.0, "quadprog", limits=[limit], safety_break=False
-            )
-        except self._pink.exceptions.PinkError as error:
-            chi, reason = np.zeros(n), f"{error}".splitlines()[0]
-        slacks = hierarchy.slacks(hierarchy.residual(chi))
-        return _solution(chi, slacks, reason, begun)
-
-    def _slides(self, n: int) -> Any:
-        """Return a configuration of n independent joints: the Jacobians come with the tasks."""
-        model = pinocchio.Model()
-        for i in range(n):
-            place = pinocchio.SE3.Identity()
-            model.addJoint(0, pinocchio.JointModelPX(), place, f"joint_{i}")
-        return self._pink.Configuration(model, model.createData(), np.zeros(n))
-
-
-class _PinkTask:
-    """What ``solve_ik`` asks of a task, for a matrix and a target."""
-
-    def __init__(self, matrix: Matrix, target: Vector, cost: float) -> None:
-        self._matrix, self._target, self._weight = matrix, target, cost * cost
-
-    def compute_qp_objective(self, _configuration: Any) -> tuple[Matrix, Vector]:
-        """Return H and c, as pink's own tasks do."""
-        weighted = self._weight * self._matrix.T
-        return weighted @ self._matrix, -weighted @ self._target
-
-
-class _PinkLimit:
-    """What ``solve_ik`` asks of a limit, for a box."""
-
-    def __init__(self, lower: Vector, upper: Vector) -> None:
-        unit = np.eye(lower.size)
-        self._rows, self._ends = np.vstack((unit, -unit)), np.concatenate((upper, -lower))
-
-    def compute_qp_inequalities(self, _configuration: Any, _dt: float) -> tuple[Matrix, Vector]:
-        """Return G and h."""
-        return self._rows, self._ends
-
-
-def _solution(chi: Vector, slacks: Vector, reason: str, begun: float) -> Solution:
+def answered(chi: Vector, slacks: Vector, reason: str, begun: float) -> Solution:
     """Return a peer's answer as ours are."""
     status = Status.FAILED if reason else Status.SOLVED
     return Solution(chi, slacks, status, reason, _NONE, perf_counter() - begun)
@@ -264,7 +200,6 @@ STRICT: tuple[Callable[[], HqpSolver], ...] = (
     lambda: EqualityCascade("PIQP", partial(_piqp, import_module("piqp"))),
     lambda: EqualityCascade("ProxQP", _proxqp),
 )
-WEIGHTED: tuple[Callable[[], HqpSolver], ...] = (Pink,)
 
 
 def installed(

@@ -32,6 +32,24 @@ def problems(seed: int, count: int) -> Iterator[tuple[str, HqpProblem]]:
             yield kind, problem(kind, int(rng.integers(2**32)), n, levels, inequalities)
 
 
+def with_unit_rows(given: HqpProblem) -> HqpProblem:
+    """Return a problem with every row divided by its length: another one where a level is not met.
+
+    A level weighs its rows by their squared lengths; a solver that scales rows weighs them alike.
+    """
+    return HqpProblem(
+        tuple(tuple(_unit(task) for task in level) for level in given.levels), given.bounds
+    )
+
+
+def _unit(task: LinearTask) -> LinearTask:
+    """Return a task with rows of length 1; rows of zeros stay."""
+    length = np.linalg.norm(task.matrix, axis=1)
+    length[length == 0.0] = 1.0
+    matrix = task.matrix / length[:, None]
+    return LinearTask(task.name, matrix, task.lower / length, task.upper / length)
+
+
 def problem(kind: str, seed: int, n: int, levels: int, inequalities: bool = False) -> HqpProblem:
     """Return a problem of n variables; entries of tasks are about 1, targets about 0.5.
 

@@ -12,6 +12,12 @@ from lexstack_experiments.hierarchies.certificate import certified_excess
 from lexstack_experiments.hierarchies.random_problems import SINGULAR
 from lexstack_experiments.solvers import lexicographic_oracle
 
+STRICT_WITHIN = 1e-6
+"""Excess of a solution that still counts as strict, m/s or rad/s."""
+
+SINGULAR_WITHIN = 1e-5
+"""Likewise of level 1 next to a singularity, where rounding is divided by what is almost zero."""
+
 
 @dataclass(slots=True)
 class Score:
@@ -30,13 +36,18 @@ class Score:
         singular: bool = False,
         warm: Solution | None = None,
     ) -> Solution:
-        """Solve a problem and count; next to a singularity the excess is that of level 1."""
+        """Solve a problem and count what came of it."""
         solution = solver.solve(given, warm)
+        self.count(given, solution, singular)
+        return solution
+
+    def count(self, given: HqpProblem, solution: Solution, singular: bool = False) -> None:
+        """Count a solution; next to a singularity the excess is that of level 1."""
         self.times.append(solution.solve_time)
         chi = solution.chi
         if not (solution.solved and np.isfinite(chi).all()):
             self.failures += 1
-            return solution
+            return
         lower, upper = given.bounds.lower, given.bounds.upper
         self.outside = max(self.outside, float(np.max([lower - chi, chi - upper])))
         if singular:
@@ -47,14 +58,16 @@ class Score:
             found = [float(solution.slacks[0]) - least.optimum]
         else:
             found = certified_excess(given, np.minimum(np.maximum(chi, lower), upper))
-        self.failures += max(found) > self.within
+        within = max(self.within, SINGULAR_WITHIN) if singular else self.within
+        self.failures += max(found) > within
         self.excess = max(self.excess, *found)
-        return solution
 
 
-def score(solver: HqpSolver, given: Iterable[tuple[str, HqpProblem]]) -> dict[str, Score]:
-    """Return a solver's score by kind of problem."""
+def score(
+    solver: HqpSolver, given: Iterable[tuple[str, HqpProblem]], within: float = np.inf
+) -> dict[str, Score]:
+    """Return a solver's score by kind of problem; an excess above ``within`` is a failure."""
     scores: dict[str, Score] = {}
     for kind, whole in given:
-        scores.setdefault(kind, Score()).add(whole, solver, kind == SINGULAR)
+        scores.setdefault(kind, Score(within)).add(whole, solver, kind == SINGULAR)
     return scores

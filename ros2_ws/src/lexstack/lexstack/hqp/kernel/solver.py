@@ -50,13 +50,16 @@ class KernelSolver:
             InputError: a task does not fit chi (a programming error, not a state of the robot).
         """
         start = time.perf_counter()
-        low, high = problem.bounds.lower, problem.bounds.upper
+        # Entries must lie one behind the other; most arrays are so already.
+        low = np.ascontiguousarray(problem.bounds.lower, dtype=float)
+        high = np.ascontiguousarray(problem.bounds.upper, dtype=float)
         n = low.size
         key, matrices, lowers, uppers = _gathered(problem, n)
         if not matrices or not n:
             return self._other.solve(problem, warm)
         ends, curved = _laid_out(tuple(key))
-        matrix = np.concatenate(matrices, dtype=float)
+        # Concatenated columns stay columns: the kernel takes rows that lie one behind the other.
+        matrix = np.ascontiguousarray(np.concatenate(matrices, dtype=float))
         upper = lower = np.concatenate(lowers, dtype=float)
         if uppers is not None:
             upper = np.concatenate(uppers, dtype=float)
