@@ -16,8 +16,9 @@ from lexstack_config.parts import build_team
 from lexstack_config.plant_file import check_plant, load_plant
 from lexstack_plant.hardware.clocks import SimulatedClock, WallClock
 from lexstack_plant.hardware.cycle import HardwareCycle
+from lexstack_plant.hardware.memory import HardwareCounters, Phase
 from lexstack_plant.hardware.outputs import RobotCommand
-from lexstack_plant.hardware.plant import HardwareCounters, HardwarePlant, Phase
+from lexstack_plant.hardware.plant import HardwarePlant
 from lexstack_plant.hardware.topics import RobotTopics, StateTopics
 from lexstack_plant.node import PlantNode
 from lexstack_plant.pacing import Pacer

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from lexstack.errors import InputError
 from lexstack.types import Vector
-from lexstack_plant.hardware.plant import HardwarePlant, Phase
+from lexstack_plant.hardware.memory import Phase
+from lexstack_plant.hardware.plant import HardwarePlant
 from lexstack_plant.tick_cycle import TickCycle
 
 
