@@ -30,14 +30,14 @@ class HardwareCounters:
 
 @dataclass(slots=True)
 class HardwareMemory:
-    """What the adapter remembers between ticks; vectors have shape (n,)."""
+    """What the adapter remembers between ticks; q and q* have shape (nq,), all others (n,)."""
 
     q_star: Vector
+    q: Vector
     command: Vector
     change: Vector  # of the command at the last tick
-    q: Vector
     v: Vector
-    in_flight: Vector  # how far commands on their way will move the robots
+    in_flight: Vector  # how far commands on their way will move the robots, along chi
     slip: Vector  # what the commands lead farther than the measured velocities, of late
     tick: int = 0
     silence: int = 0
@@ -45,6 +45,6 @@ class HardwareMemory:
     due: float = field(default=-np.inf)  # s by the local clock, of the last tick
 
     @classmethod
-    def empty(cls, n: int) -> HardwareMemory:
-        """Return the memory of robots with n joints of which nothing is known."""
-        return cls(*(np.zeros(n) for _ in range(7)))
+    def empty(cls, nq: int, n: int) -> HardwareMemory:
+        """Return the memory of robots of which nothing is known: lengths of q and of chi."""
+        return cls(*(np.zeros(length) for length in (nq, nq, n, n, n, n, n)))

@@ -69,7 +69,7 @@ class HardwarePlant:
         self.phase, self.reason = Phase.DISABLED, "not enabled yet"
         self.armed: set[str] = set()
         self.counters = HardwareCounters()
-        self._m = HardwareMemory.empty(team.n)
+        self._m = HardwareMemory.empty(team.nq, team.n)
         silence = watchdog + round(plant.safety.silence / self.period)
         self._commands = Commands(team, self._m, watchdog, silence, accepted)
         self._rules = self._commands.rules
@@ -102,7 +102,7 @@ class HardwarePlant:
         return RobotState(
             m.tick,
             m.tick * self.period,
-            _frozen(m.q + m.in_flight),
+            _frozen(self._all.coming(m)),
             _frozen(m.v),
             _frozen(m.q_star),
             _frozen(m.command),
@@ -132,20 +132,20 @@ class HardwarePlant:
             self._rules.brake(m)
         m.change[:] = m.command - before
         self._catch_up(before, due)
-        m.q_star += self.period * m.command
+        m.q_star[:] = self.team.integrate(m.q_star, m.command, self.period)
         m.slip += self.period * (before - m.v) - self.period / _FORGETS * m.slip
         # While robots are braked their states may be wrong: a platform is where it was led.
         where = m.q if self.phase is Phase.ENABLED else m.q_star
-        for model, part, robot in self._all.parts():
+        for model, at, part, robot in self._all.parts():
             robot.push(m.command[part])
-            self._send(model.name, robot.command(m.command[part], where[part], due))
+            self._send(model.name, robot.command(m.command[part], where[at], due))
         m.tick, m.due = m.tick + 1, due
         self._measure(now)
         if self.phase is Phase.ENABLED:
             self._stop_if(self._fault(now))
         elif not m.command.any() and not m.change.any():
             self.phase = Phase.DISABLED
-        known = m.q + m.in_flight if self.phase is Phase.ENABLED else m.q_star
+        known = self._all.coming(m) if self.phase is Phase.ENABLED else m.q_star
         self.counters.clamped += self._rules.bound(m, known)
         return self.state()
 
@@ -161,11 +161,11 @@ class HardwarePlant:
         if robot.effort is None or self.resting or robot.joints.counters.taken == taken:
             return
         now = self._clock()
-        part = self.team.slices[self.team.index(name)]
+        at, part = self._all.part(name)
         q, v = robot.measured(now)
         # Between two ticks q* goes on along the command in force.
         passed = min(max(now - m.due, 0.0), self.period)
-        ahead = m.q_star[part] + (passed - self.period) * m.command[part]
+        ahead = robot.model.integrate(m.q_star[at], m.command[part], passed - self.period)
         torques = robot.effort.torques(q, v, ahead, m.command[part])
         self._send(name, RobotCommand(now, values=torques))
 
@@ -249,7 +249,7 @@ class HardwarePlant:
         m = self._m
         return (
             self._all.wrong(now)
-            or self._guard.beyond(m.q, m.v)
+            or self._guard.beyond(self.team.joint_positions(m.q), m.v)
             or self._guard.lost(self._all.away(m))
         )
 

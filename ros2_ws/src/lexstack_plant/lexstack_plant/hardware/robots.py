@@ -43,13 +43,19 @@ class HardwareRobots:
             raise InputError(f"unknown robot {name!r}; known: {', '.join(self.named)}")
         return self.named[name]
 
-    def parts(self) -> Iterator[tuple[RobotModel, slice, HardwareRobot]]:
-        """Yield every robot's model, its part of chi, and its topics."""
-        return zip(self.team.robots, self.team.slices, self.named.values(), strict=True)
+    def parts(self) -> Iterator[tuple[RobotModel, slice, slice, HardwareRobot]]:
+        """Yield every robot's model, its parts of q and of chi, and its topics."""
+        team = self.team
+        return zip(team.robots, team.q_slices, team.slices, self.named.values(), strict=True)
+
+    def part(self, name: str) -> tuple[slice, slice]:
+        """Return a robot's parts of q and of chi."""
+        place = self.team.index(name)
+        return self.team.q_slices[place], self.team.slices[place]
 
     def push(self, chi: Vector) -> None:
         """Take the command of a tick that is not sent, shape (n,)."""
-        for _, part, robot in self.parts():
+        for _, _, part, robot in self.parts():
             robot.push(chi[part])
 
     def wrong(self, now: float) -> str:
@@ -58,20 +64,21 @@ class HardwareRobots:
 
     def measure(self, m: HardwareMemory, now: float) -> None:
         """Read the measured state of all robots; where nothing is known the last one stays."""
-        for _, part, robot in self.parts():
+        for model, at, part, robot in self.parts():
             q, v = robot.measured(now)
             known = np.isfinite(q)
-            m.q[part] = np.where(known, q, m.q[part])
-            m.v[part] = np.where(known, v, 0.0)
+            m.q[at] = np.where(known, q, m.q[at])
+            # Of a platform all is known or nothing: of q its end says as much as its beginning.
+            m.v[part] = np.where(known[model.nq - model.n :], v, 0.0)
 
     def look_ahead(self, m: HardwareMemory, now: float, *, trusted: bool) -> None:
         """Work out what is on its way; ``trusted``: the measured state counts."""
-        for _, part, robot in self.parts():
+        for model, at, part, robot in self.parts():
             m.in_flight[part] = robot.in_flight(m.command[part])
             if trusted and not robot.wrong(now):
                 # Wheels slip: where a platform was led is where it is.
-                base = robot.platform
-                m.q_star[part][base] = m.q[part][base] + m.in_flight[part][base]
+                base = model.base_q
+                m.q_star[at][base] = model.integrate(m.q[at], m.in_flight[part], 1.0)[base]
 
     def away(self, m: HardwareMemory) -> Vector:
         """Return how far each joint is from where it is led, shape (n,).
@@ -80,8 +87,12 @@ class HardwareRobots:
         corrected by whoever measures it: there the way that it did not make lately counts.
         """
         away = m.slip.copy()
-        for model, part, robot in self.parts():
+        for model, at, part, robot in self.parts():
             led = robot.output.led
             if led is not None:
-                away[part][model.arm] = led - m.q[part][model.arm]
+                away[part][model.arm] = led - m.q[at][model.arm_q]
         return away
+
+    def coming(self, m: HardwareMemory) -> Vector:
+        """Return where all robots are once what is on its way has moved them, shape (nq,)."""
+        return self.team.integrate(m.q, m.in_flight, 1.0)

@@ -31,10 +31,11 @@ class Takeover:
         if robot.base is not None:
             robot.base.place(self._places[name])
         q, v = m.q.copy(), np.zeros(team.n)
-        part = team.slices[team.index(name)]
-        q[:] = np.clip(0.0, team.limits.position_lower, team.limits.position_upper)
-        q[part], v[part] = robot.measured(now)
-        unready = self._guard.unready(q, v)
+        at, part = self._robots.part(name)
+        q[at], v[part] = robot.measured(now)
+        places = np.clip(0.0, team.limits.position_lower, team.limits.position_upper)
+        places[part] = team.joint_positions(q)[part]
+        unready = self._guard.unready(places, v)
         if unready:
             raise InputError(unready)
 
@@ -47,7 +48,7 @@ class Takeover:
         m.command[:] = np.where(np.abs(m.v) > _STILL, np.clip(m.v, -limit, limit), 0.0)
         m.q_star[:], m.change[:], m.slip[:] = m.q, 0.0, 0.0
         m.tick, m.silence, m.status, m.due = 0, 0, PlantStatus.FOLLOWING, now
-        for _, part, robot in self._robots.parts():
-            robot.begin(m.q[part], m.command[part])
+        for _, at, part, robot in self._robots.parts():
+            robot.begin(m.q[at], m.command[part])
             m.in_flight[part] = robot.in_flight(m.command[part])
-        m.q_star += m.in_flight
+        m.q_star[:] = self._robots.coming(m)
