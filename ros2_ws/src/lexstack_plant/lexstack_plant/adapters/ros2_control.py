@@ -88,6 +88,8 @@ class PlantAdapter(PlantNode):
         for name, robot in self._plant.robots.items():
             counters = robot.joints.counters
             figures[f"age of {name}'s joint states [ms]"] = f"{1e3 * robot.joints.age(now):.0f}"
+            if robot.base is not None:
+                figures[f"age of {name}'s base pose [ms]"] = f"{1e3 * robot.base.age(now):.0f}"
             figures[f"joint states of {name}"] = (
                 f"{counters.taken} taken, {counters.repeated} repeated, {counters.late} late, "
                 f"{counters.refused} refused"

@@ -76,9 +76,10 @@ class HardwareRobot:
                 np.array(along_axes(tuple(velocity[robot.base].tolist()))),
                 safety.position,
                 origin=config.base.origin,
-                frame=config.base.frame,
+                frame=config.base.frame if config.base.odometry is not None else "",
                 twist_in_base=config.base.twist_axes == "base",
                 shared=shared,
+                twist_apart=config.base.tf is not None and config.base.odometry is not None,
             )
         self.output = ArmOutput(config.arm, _part(robot.limits, robot.arm), dt, hold)
         self.effort: EffortLoop | None = None
@@ -122,12 +123,22 @@ class HardwareRobot:
             return ""
         age = self.base.age(now)
         if age == np.inf:
-            return f"{self.name}: no pose of its base"
+            return f"{self.name}: no {self._unknown(self.base)}"
         return (
             f"{self.name}: the base's pose is {1e3 * age:.0f} ms old, at most {1e3 * most:.0f}"
             if age > most
             else ""
         )
+
+    def _unknown(self, base: BaseIntake) -> str:
+        """Return what is not known of the platform, and where it should come from."""
+        assert self.config.base is not None
+        odometry, tf = self.config.base.odometry, self.config.base.tf
+        if base.time > -np.inf:
+            return f"velocity of its base on {odometry}"
+        if tf is not None:
+            return f"pose of its base: {tf.frame!r} in {tf.parent!r} on {tf.topic}"
+        return f"pose of its base on {odometry}"
 
     def wrong(self, now: float) -> str:
         """Return why the robot may not move, as far as one looks at it alone, or ''."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import Twist, TwistStamped
@@ -11,9 +12,11 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray
+from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory
 
 from lexstack.errors import InputError
+from lexstack_config.plant_file import BaseInterfaceConfig
 from lexstack_plant.hardware.clocks import HardwareClock
 from lexstack_plant.hardware.joint_intake import JointSample
 from lexstack_plant.hardware.messages import (
@@ -25,7 +28,9 @@ from lexstack_plant.hardware.messages import (
 )
 from lexstack_plant.hardware.outputs import RobotCommand
 from lexstack_plant.hardware.robot import HardwareRobot
+from lexstack_plant.hardware.transform_intake import TransformIntake
 from lexstack_ros.intake.drain import waiting
+from lexstack_ros.messages.qos import STATIC_TRANSFORMS, TRANSFORMS
 
 # Best effort hears reliable and best-effort publishers alike; a state that was lost is old anyway.
 _STATES = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -43,7 +48,13 @@ class StateTopics:
         self._node, self._refuse = node, refuse
         self._listeners: dict[tuple[type, str], list[Callable[[Any], None]]] = {}
 
-    def add(self, kind: type, topic: str, listener: Callable[[Any], None]) -> None:
+    def add(
+        self,
+        kind: type,
+        topic: str,
+        listener: Callable[[Any], None],
+        qos: QoSProfile = _STATES,
+    ) -> None:
         """Call ``listener`` for every message of a topic; it may raise InputError."""
         key = (kind, topic)
         known = key in self._listeners
@@ -56,7 +67,7 @@ class StateTopics:
             for each in (message, *(other for other, _ in waiting(subscription))):
                 self._hand_on(key, each)
 
-        subscription = self._node.create_subscription(kind, topic, hear, _STATES)
+        subscription = self._node.create_subscription(kind, topic, hear, qos)
 
     def _hand_on(self, key: tuple[type, str], message: Any) -> None:
         """Hand a message to all that want it."""
@@ -86,10 +97,11 @@ class RobotTopics:
         ``hear`` takes what the arm's joints measure.
         """
         self._robot, self._clock, self._hear = robot, clock, hear
+        self._transforms: TransformIntake | None = None
         config = robot.config
         states.add(JointState, config.joint_states.topic, self._on_joints)
         if config.base is not None:
-            states.add(Odometry, config.base.odometry, self._on_odometry)
+            self._add_base(config.base, states)
         if stop is not None:
             states.add(Bool, stop, lambda message: press(bool(message.data)))
         kind = JointTrajectory if config.arm.type == "joint_trajectory" else Float64MultiArray
@@ -99,6 +111,18 @@ class RobotTopics:
             self._stamped = config.base.type == "twist_stamped"
             twist = TwistStamped if self._stamped else Twist
             self._base_out = node.create_publisher(twist, config.base.command, _COMMANDS)
+
+    def _add_base(self, config: BaseInterfaceConfig, states: StateTopics) -> None:
+        """Hear where the platform is."""
+        if config.odometry is not None:
+            states.add(Odometry, config.odometry, self._on_odometry)
+        if config.tf is None:
+            return
+        self._transforms = TransformIntake(config.tf)
+        hear = self._on_transforms
+        states.add(TFMessage, config.tf.topic, partial(hear, static=False), TRANSFORMS)
+        still = f"{config.tf.topic}_static"
+        states.add(TFMessage, still, partial(hear, static=True), STATIC_TRANSFORMS)
 
     def look(self) -> None:
         """Look whether somebody hears the commands."""
@@ -120,6 +144,19 @@ class RobotTopics:
         self._hear(joint_sample(message, self._clock.now()))
 
     def _on_odometry(self, message: Odometry) -> None:
-        """Take a message of odometry."""
-        if self._robot.base is not None:
-            self._robot.base.hear(base_sample(message, self._clock.now()))
+        """Take a message of odometry; of a platform that /tf places its velocity."""
+        base, sample = self._robot.base, base_sample(message, self._clock.now())
+        if base is None:
+            return
+        if self._transforms is None:
+            base.hear(sample)
+        else:
+            base.hear_twist(sample)
+
+    def _on_transforms(self, message: TFMessage, static: bool) -> None:
+        """Take a message of transforms."""
+        if self._robot.base is None or self._transforms is None:
+            return
+        sample = self._transforms.hear(message.transforms, self._clock.now(), static=static)
+        if sample is not None:
+            self._robot.base.hear(sample)
