@@ -32,6 +32,7 @@ setup(
         "console_scripts": [
             "bringup = lexstack_bringup.commands.bringup:main",
             "demo = lexstack_bringup.commands.demo:main",
+            "find_plant = lexstack_bringup.commands.find_plant:main",
             "replay = lexstack_bringup.commands.replay:main",
         ],
     },
