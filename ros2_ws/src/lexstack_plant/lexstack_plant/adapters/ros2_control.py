@@ -44,7 +44,8 @@ class PlantAdapter(PlantNode):
         check_plant(plant, resolved, str(path))
         team = build_team(resolved)
         simulated = plant.use_sim_time
-        clock = SimulatedClock(self, self.look_at_clock) if simulated else WallClock()
+        given = (self, self.look_at_clock, self._rewind)
+        clock = SimulatedClock(*given) if simulated else WallClock()
         self._plant = HardwarePlant(resolved, team, plant, self._send, clock.now)
         self._clock_now = clock.now
         pacer = Pacer("realtime", self._plant.period, scenario.timeouts.command_wall)
@@ -118,6 +119,10 @@ class PlantAdapter(PlantNode):
     def _send(self, name: str, command: RobotCommand) -> None:
         """Send a robot its commands of a tick."""
         self._robots[name].send(command)
+
+    def _rewind(self, back: float) -> None:
+        """Go on where time went back by so much [s]."""
+        self._cycle.rewind(back)
 
     def _press(self, name: str, pressed: bool) -> None:
         """Take note of an emergency stop."""

@@ -57,7 +57,8 @@ class BaseIntake:
         q: x [m], y [m], yaw [rad] in the world, shape (3,); NaN until it is known.
         v: m/s, m/s, rad/s along the world's axes, shape (3,).
         time: when it was measured, by the local clock [s]; -inf: never.
-        fault: why the last pose cannot be true; empty: it can. It stays until ``forget``.
+        fault: why the last pose, or its time, cannot be true; empty: they can. It stays until
+            ``forget``.
         counters: of messages.
         twisted: when the velocity was measured, as ``time``, where odometry tells it alone.
     """
@@ -102,6 +103,7 @@ class BaseIntake:
     def hear(self, sample: BaseSample) -> None:
         """Take a message; raises InputError for one that is no pose of a platform."""
         yaw = self._checked(sample)
+        restarted = self._poses.restarted(sample.stamp)
         time = self._poses.time(sample.stamp, sample.received, self.counters)
         if time is None:
             return
@@ -114,6 +116,7 @@ class BaseIntake:
         elapsed = max(time - self.time, _SHORTEST)
         moved = np.zeros(3) if first else pose - self.q
         self._check(moved, elapsed)
+        self.fault = restarted or self.fault
         self.q, self.time = pose, time
         if self._twist_apart:
             return
@@ -130,6 +133,7 @@ class BaseIntake:
         """
         self._check_numbers(sample.twist or ())
         self._check_frame(sample)
+        self.fault = self._twists.restarted(sample.stamp) or self.fault
         time = self._twists.time(sample.stamp, sample.received, self.counters)
         if time is None or sample.twist is None or not np.isfinite(self.q[0]):
             return

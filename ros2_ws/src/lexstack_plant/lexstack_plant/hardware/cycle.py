@@ -35,6 +35,17 @@ class HardwareCycle(TickCycle):
         self.start()
         return "all robots are enabled"
 
+    def rewind(self, back: float) -> None:
+        """Brake all robots, as time went back by so much [s]: a simulator began again.
+
+        The present tick ends a period from now: its deadline would come much later.
+        """
+        self.plant.stop(f"time went back by {back:.3g} s")
+        now = self._clock()
+        self.pacer.start(now)
+        self.pacer.begin(now)
+        self.deadline = self.pacer.deadline
+
     def take(self, tick: int, chi: Vector) -> None:
         """Take the command of a tick; raises InputError while robots are braked."""
         if self.plant.phase is Phase.STOPPING:

@@ -31,7 +31,8 @@ class HardwareRobot:
         output: what its arm is sent.
         effort: what makes the torques of an arm that takes them.
         names: of the arm's joints in messages, in the order of chi.
-        listens: whether somebody hears its commands; set by whoever sends them.
+        unheard: which of its commands nobody hears, and what to do; '': all are heard. It is set
+            by whoever sends them.
         pressed: whether its emergency stop is pressed.
     """
 
@@ -85,7 +86,7 @@ class HardwareRobot:
         self.effort: EffortLoop | None = None
         if config.arm.type == "effort":
             self.effort = EffortLoop(robot, holds_weight=config.arm.gravity)
-        self.listens = True
+        self.unheard = ""
         self.pressed = False
 
     def measured(self, now: float) -> tuple[Vector, Vector]:
@@ -144,8 +145,8 @@ class HardwareRobot:
         """Return why the robot may not move, as far as one looks at it alone, or ''."""
         if self.pressed:
             return f"{self.name}: the emergency stop is pressed"
-        if not self.listens:
-            return f"{self.name}: nobody listens to {self.config.arm.command}"
+        if self.unheard:
+            return f"{self.name}: {self.unheard}"
         faults = [self.joints.fault, self.base.fault if self.base is not None else ""]
         fault = next((each for each in faults if each), "")
         return f"{self.name}: {fault}" if fault else self.stale(now)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lexstack_plant.hardware.joint_intake import IntakeCounters
-from lexstack_plant.hardware.sender_clock import SenderClock
+from lexstack_plant.hardware.sender_clock import SenderClock, set_back
 
 
 class Stamps:
@@ -15,6 +15,17 @@ class Stamps:
         """Begin without messages; ``shared``: stamps are of the local clock."""
         self._clock = SenderClock(shared=shared)
         self._newest = -np.inf
+
+    def restarted(self, stamp: float) -> str:
+        """Return that the sender's clock was set back, as a fault, or ''; all before is forgotten.
+
+        To be called before ``time``.
+        """
+        fault = set_back(stamp, self._newest)
+        if fault:
+            self._newest = -np.inf
+            self._clock.forget()
+        return fault
 
     def time(self, stamp: float, received: float, counters: IntakeCounters) -> float | None:
         """Return when a message was measured, or None if it is not newer than those before.

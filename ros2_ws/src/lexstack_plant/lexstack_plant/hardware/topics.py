@@ -9,6 +9,7 @@ from typing import Any
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray
@@ -17,6 +18,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from lexstack.errors import InputError
 from lexstack_config.plant_file import BaseInterfaceConfig
+from lexstack_plant.finding.endpoints import TRAJECTORY, TWIST, TWIST_STAMPED, VALUES
 from lexstack_plant.hardware.clocks import HardwareClock
 from lexstack_plant.hardware.joint_intake import JointSample
 from lexstack_plant.hardware.messages import (
@@ -37,6 +39,12 @@ _STATES = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 # Reliable, as the subscribers of ros2_control ask for; of commands the newest counts.
 _COMMANDS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 _BASE = "base_link"
+_NAMES = {
+    JointTrajectory: TRAJECTORY,
+    Float64MultiArray: VALUES,
+    Twist: TWIST,
+    TwistStamped: TWIST_STAMPED,
+}
 Refuse = Callable[[InputError], None]
 
 
@@ -96,7 +104,7 @@ class RobotTopics:
 
         ``hear`` takes what the arm's joints measure.
         """
-        self._robot, self._clock, self._hear = robot, clock, hear
+        self._robot, self._clock, self._hear, self._node = robot, clock, hear, node
         self._transforms: TransformIntake | None = None
         config = robot.config
         states.add(JointState, config.joint_states.topic, self._on_joints)
@@ -125,8 +133,24 @@ class RobotTopics:
         states.add(TFMessage, still, partial(hear, static=True), STATIC_TRANSFORMS)
 
     def look(self) -> None:
-        """Look whether somebody hears the commands."""
-        self._robot.listens = self._arm_out.get_subscription_count() > 0
+        """Look whether somebody hears the commands: a controller that has died has no listener."""
+        outs = [out for out in (self._arm_out, self._base_out) if out is not None]
+        lost = (out for out in outs if not out.get_subscription_count())
+        self._robot.unheard = next(map(self._unheard, lost), "")
+
+    def _unheard(self, out: Publisher) -> str:
+        """Return what is wrong with a topic that nobody hears, and what to do."""
+        kind = _NAMES[out.msg_type]
+        listeners = {
+            info.topic_type for info in self._node.get_subscriptions_info_by_topic(out.topic_name)
+        }
+        if kind in listeners:
+            help_ = "there is a listener, but it asks for another quality of service"
+        elif listeners:
+            help_ = f"there is a listener for {', '.join(sorted(listeners))}: correct the type"
+        else:
+            help_ = "start the controller"
+        return f"nobody listens to {out.topic_name} ({kind}): {help_}"
 
     def send(self, command: RobotCommand) -> None:
         """Publish the commands of a tick; their stamps are those of the tick, not of now."""
