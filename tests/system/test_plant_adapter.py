@@ -13,15 +13,16 @@ from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool
 
-from lexstack_bringup.processes import ADAPTER
+from lexstack_bringup.processes import ADAPTER, MODULES, arguments_of
 from lexstack_bringup.real_plant import RealPlant
 from lexstack_config.plant_file import load_plant
 from lexstack_interfaces.msg import PlantState
 from lexstack_interfaces.srv import SwitchStack
+from lexstack_ros.node.readiness import READY
 from lexstack_testing.stand_in.run import STAND_IN, with_stand_in
 from lexstack_testing.user import User
 from support.ideal_hardware import PLANT
-from support.scenario import changed, resolved
+from support.scenario import changed, resolved, team
 
 pytestmark = [pytest.mark.system, pytest.mark.timeout(240)]
 
@@ -65,6 +66,48 @@ def test_a_switch_runs_through_the_adapter_and_no_drive_stops(tmp_path):
         assert "reflex" not in log
         adapter = (run.out / "logs" / f"{ADAPTER}.log").read_text(encoding="utf-8")
         assert "stopping: the scenario has ended" in adapter
+
+
+def test_a_killed_solver_changes_nothing_and_a_killed_controller_brakes(tmp_path):
+    """After 0.1 s without commands it brakes, after 1 s more it is disabled, with the reason."""
+    scenario = changed(duration=100.0, events=(), base_target={"robot_a": (0.0, -2.0, 0.0)})
+    with with_stand_in(scenario, folder(tmp_path), real(tmp_path), SPEED) as run:
+        user = User(run)
+        for name in ("robot_a", "robot_b"):
+            assert user.call(SetBool, f"/{name}/enable", data=True).success
+        user.until(lambda: user.states and user.states[-1].tick > 30)
+        assert user.call(SwitchStack, "/robot_a/switch_stack", stack="reach_base").accepted
+        user.until(lambda: abs(user.states[-1].command[1]) > 0.2, "the base to move")
+
+        run.send("stack_solver", signal.SIGKILL)
+        begun = user.states[-1].tick
+        user.until(lambda: user.states[-1].tick > begun + 30, "30 ticks more")
+        since = [state for state in user.states if state.tick > begun]
+        assert {state.status for state in since} <= {PlantState.FOLLOWING, PlantState.HOLDING}
+
+        run.send("hqp_controller", signal.SIGKILL)
+        user.until(lambda: user.states[-1].status == PlantState.PAUSED, "the robots to rest")
+        states = [state for state in user.states if state.tick > begun]
+        last = max(k for k, s in enumerate(states) if s.status == PlantState.FOLLOWING)
+        seen = [state.status for state in states[last + 1 :]]
+        assert seen[0] == PlantState.HOLDING
+        assert PlantState.BRAKING in seen
+        commands = np.array([state.command for state in states[last:]])
+        limit = 0.01 * team().limits.acceleration
+        assert (np.abs(np.diff(commands, axis=0)) <= limit * (1 + 1e-9)).all()
+        assert not commands[-1].any()
+        adapter = (run.out / "logs" / f"{ADAPTER}.log").read_text(encoding="utf-8")
+        assert "disabled: no commands for 1.1 s" in adapter
+
+        given = {"scenario": str(run.path), "peers": ADAPTER}
+        name = "hqp_controller"
+        child = run.supervisor.start(name, MODULES[name], arguments_of(name, given))
+        user.until(lambda: child.printed(READY), "the new controller")
+        for name in ("robot_a", "robot_b"):
+            answer = user.call(SetBool, f"/{name}/enable", data=True)
+            assert answer.success, answer.message
+        user.until(lambda: user.states[-1].status == PlantState.FOLLOWING, "its commands")
+        assert user.states[-1].resets == 1
 
 
 def test_an_emergency_stop_a_new_start_and_the_end_of_the_adapter(tmp_path):

@@ -33,6 +33,7 @@ def written(tmp_path, change):
         (lambda c: c["robots"]["robot_a"]["arm"].update(command="a b"), "arm: command"),
         (lambda c: c["robots"]["robot_a"]["arm"].update(ahead=0), "arm: ahead"),
         (lambda c: c["robots"]["robot_a"]["base"].pop("odometry"), "odometry"),
+        (lambda c: c["robots"]["robot_a"]["base"].update(tf={"parent": "a b"}), "tf: parent"),
         (lambda c: c.update(robots={}), "robots"),
         (lambda c: c.update(rate=0), "rate"),
         (lambda c: c.update(safety={"speed": 0.5}), "safety: speed"),
@@ -43,6 +44,16 @@ def written(tmp_path, change):
 def test_a_wrong_file_is_refused_with_its_key(tmp_path, change, reason):
     with pytest.raises(ConfigurationError, match=reason):
         load_plant(written(tmp_path, change))
+
+
+def test_a_base_may_be_placed_by_tf_alone(tmp_path):
+    def change(content):
+        base = content["robots"]["robot_a"]["base"]
+        base.pop("odometry")
+        base["tf"] = {}
+
+    tf = load_plant(written(tmp_path, change)).robots["robot_a"].base.tf
+    assert (tf.frame, tf.parent, tf.topic) == ("base_link", "odom", "/tf")
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from lexstack_config.resolved import ResolvedScenario
 Topic = Annotated[
     str, Pattern(r"/?\w{1,64}(/\w{1,64}){0,9}", "a topic has a ROS name, like /arm_1/joint_states")
 ]
+FrameName = Annotated[str, Pattern(r"[^\s/][^\s]{0,199}", "a frame of /tf, like base_link")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,18 +30,34 @@ class JointStatesConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class BaseInterfaceConfig:
-    """How a platform is measured and driven."""
+class BaseTransformConfig:
+    """A platform's pose on /tf, through any number of transforms."""
 
-    odometry: Topic  # nav_msgs/Odometry
+    frame: FrameName = "base_link"  # of the platform: the point that its twist is about
+    parent: FrameName = "odom"  # in which its pose is taken
+    topic: Topic = "/tf"  # tf2_msgs/TFMessage; with _static behind it, those that do not move
+
+
+@dataclass(frozen=True, slots=True)
+class BaseInterfaceConfig:
+    """How a platform is measured, by odometry, /tf or both, and driven."""
+
     command: Topic  # takes its velocity, in the axes of the base
+    odometry: Topic | None = None  # nav_msgs/Odometry
+    # the pose from /tf; velocities are then the odometry's, or follow from poses without one
+    tf: BaseTransformConfig | None = None
     type: Literal["twist", "twist_stamped"] = "twist_stamped"  # of the command
     # in whose axes the odometry's twist is: REP-105 says the base's (child_frame_id)
     twist_axes: Literal["base", "parent"] = "base"
     frame: str = ""  # header.frame_id that the odometry must have; empty: any
-    # x [m], y [m], yaw [rad] of the odometry's frame in the world; default: the robot stands where
-    # the scenario puts it when it is enabled for the first time
+    # x [m], y [m], yaw [rad] in the world of the frame that poses are in; default: the robot stands
+    # where the scenario puts it when it is enabled for the first time
     origin: Finite3 | None = None
+
+    def validate(self, where: str) -> None:
+        """Raise ConfigurationError where nothing tells the pose."""
+        if self.odometry is None and self.tf is None:
+            raise ConfigurationError(f"{where}: odometry or tf is needed, for the platform's pose")
 
 
 @dataclass(frozen=True, slots=True)

@@ -98,3 +98,42 @@ def test_it_begins_again_at_tick_0():
 def test_robots_neither_resume_nor_jump_back(ask):
     with pytest.raises(InputError, match="robots"):
         getattr(Bench().cycle, ask)()
+
+
+def test_a_simulator_that_begins_again_stops_the_robots_at_once():
+    """Its time goes back: the deadline of the present tick would come 40 s later."""
+    bench = Bench()
+    bench.enable()
+    chi = np.zeros(bench.hardware.team.n)
+    for _ in range(10):
+        chi = chi + 0.001
+        bench.tick(chi)
+    states = len(bench.sent)
+    bench.hardware.now -= 40.0
+    bench.cycle.rewind(40.0)
+    assert len(bench.sent) == states, "the tick was published already"
+    ticks = 0
+    while not bench.cycle.paused:
+        assert bench.cycle.deadline - bench.hardware.now <= 1.01 * bench.hardware.dt
+        bench.tick()
+        ticks += 1
+        assert ticks < 100
+    assert bench.hardware.plant.reason == "time went back by 40 s"
+    assert not bench.cycle.state.command.any()
+    assert {status for _, status in bench.sent[states:]} == {
+        PlantStatus.BRAKING,
+        PlantStatus.PAUSED,
+    }
+
+
+def test_a_simulator_that_begins_again_while_nothing_moves_is_shown_again():
+    bench = Bench()
+    bench.hardware.now -= 40.0
+    bench.cycle.rewind(40.0)
+    assert bench.cycle.deadline <= bench.hardware.now + 0.1
+    bench.hardware.now = bench.cycle.deadline
+    bench.hardware.hear()
+    bench.cycle.expire()
+    assert bench.sent[-1] == (0, PlantStatus.PAUSED)
+    bench.enable()
+    assert bench.sent[-1] == (0, PlantStatus.FOLLOWING)

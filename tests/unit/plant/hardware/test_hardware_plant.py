@@ -90,7 +90,7 @@ def test_robots_that_are_moved_by_others_are_taken_over_at_their_velocity(hardwa
         (lambda h: h.silent.add("robot_a"), "robot_a: no state of panda_joint1"),
         (lambda h: h.q.__setitem__(4, 1.9), "panda_joint2 is at 1.9, beyond its limit"),
         (lambda h: h.v.__setitem__(4, 1.5), "panda_joint2 moves at 1.5"),
-        (lambda h: setattr(h.plant.robots["robot_a"], "listens", False), "nobody listens to"),
+        (lambda h: setattr(h.plant.robots["robot_a"], "unheard", "nobody listens"), "nobody list"),
         (lambda h: h.plant.press("robot_a", True), "the emergency stop is pressed"),
         (lambda h: h.q.__setitem__(3, np.nan), "no state of"),
     ],

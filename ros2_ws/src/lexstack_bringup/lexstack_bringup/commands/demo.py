@@ -99,6 +99,19 @@ def _parser(config: Path) -> argparse.ArgumentParser:
 
 def add_run_arguments(parser: argparse.ArgumentParser, config: Path) -> None:
     """Add what says which run: scenario, folder, mode, seed."""
+    add_scenario_arguments(parser, config)
+    parser.add_argument("--out", type=Path, help="run folder (default: runs/SCENARIO-TIME)")
+    parser.add_argument(
+        "--mode",
+        choices=("lockstep", "realtime"),
+        help="lockstep: every tick waits for its command, reproducible; realtime: the wall's clock",
+    )
+    parser.add_argument("--seed", type=int, help="of everything random in the plant")
+    add_naming_arguments(parser)
+
+
+def add_scenario_arguments(parser: argparse.ArgumentParser, config: Path) -> None:
+    """Add what says which scenario, and where its files are."""
     known = ", ".join(_scenarios(config))
     parser.add_argument(
         "scenario",
@@ -115,14 +128,6 @@ def add_run_arguments(parser: argparse.ArgumentParser, config: Path) -> None:
         help="a folder of your own robots, stacks and htmpc parameters, searched before the "
         "scenario's folder and lexstack's config (may be given again)",
     )
-    parser.add_argument("--out", type=Path, help="run folder (default: runs/SCENARIO-TIME)")
-    parser.add_argument(
-        "--mode",
-        choices=("lockstep", "realtime"),
-        help="lockstep: every tick waits for its command, reproducible; realtime: the wall's clock",
-    )
-    parser.add_argument("--seed", type=int, help="of everything random in the plant")
-    add_naming_arguments(parser)
 
 
 def _scenarios(config: Path) -> list[str]:
@@ -138,16 +143,7 @@ def resolve_scenario(config: Path, options: argparse.Namespace) -> ResolvedScena
     Raises:
         ConfigurationError: something is wrong; the text names file and key.
     """
-    for folder in options.config:
-        if not folder.is_dir():
-            raise ConfigurationError(f"--config: there is no folder {shown(str(folder))}")
-    named = [each / "scenarios" / f"{options.scenario}.yaml" for each in (*options.config, config)]
-    path = next((each for each in (*named, Path(options.scenario)) if is_file(each)), None)
-    if path is None:
-        known = ", ".join(_scenarios(config))
-        raise ConfigurationError(f"unknown scenario {shown(options.scenario)}; known: {known}")
-    first = options.config
-    resolved = checked(load_scenario(path, config, first), config, path, first)
+    resolved = named_scenario(config, options)
     scenario = resolved.scenario
     if options.seed is not None and not 0 <= options.seed < 2**31:
         raise ConfigurationError(f"--seed: must be in [0, 2^31), got {options.seed}")
@@ -159,6 +155,20 @@ def resolve_scenario(config: Path, options: argparse.Namespace) -> ResolvedScena
             seed=scenario.seed if options.seed is None else options.seed,
         ),
     )
+
+
+def named_scenario(config: Path, options: argparse.Namespace) -> ResolvedScenario:
+    """Return the scenario that the command line names, as ``resolve_scenario``."""
+    for folder in options.config:
+        if not folder.is_dir():
+            raise ConfigurationError(f"--config: there is no folder {shown(str(folder))}")
+    named = [each / "scenarios" / f"{options.scenario}.yaml" for each in (*options.config, config)]
+    path = next((each for each in (*named, Path(options.scenario)) if is_file(each)), None)
+    if path is None:
+        known = ", ".join(_scenarios(config))
+        raise ConfigurationError(f"unknown scenario {shown(options.scenario)}; known: {known}")
+    first = options.config
+    return checked(load_scenario(path, config, first), config, path, first)
 
 
 def tell_unfit(resolved: ResolvedScenario) -> None:

@@ -16,8 +16,9 @@ from lexstack_config.parts import build_team
 from lexstack_config.plant_file import check_plant, load_plant
 from lexstack_plant.hardware.clocks import SimulatedClock, WallClock
 from lexstack_plant.hardware.cycle import HardwareCycle
+from lexstack_plant.hardware.memory import HardwareCounters, Phase
 from lexstack_plant.hardware.outputs import RobotCommand
-from lexstack_plant.hardware.plant import HardwareCounters, HardwarePlant, Phase
+from lexstack_plant.hardware.plant import HardwarePlant
 from lexstack_plant.hardware.topics import RobotTopics, StateTopics
 from lexstack_plant.node import PlantNode
 from lexstack_plant.pacing import Pacer
@@ -43,7 +44,8 @@ class PlantAdapter(PlantNode):
         check_plant(plant, resolved, str(path))
         team = build_team(resolved)
         simulated = plant.use_sim_time
-        clock = SimulatedClock(self, self.look_at_clock) if simulated else WallClock()
+        given = (self, self.look_at_clock, self._rewind)
+        clock = SimulatedClock(*given) if simulated else WallClock()
         self._plant = HardwarePlant(resolved, team, plant, self._send, clock.now)
         self._clock_now = clock.now
         pacer = Pacer("realtime", self._plant.period, scenario.timeouts.command_wall)
@@ -87,6 +89,8 @@ class PlantAdapter(PlantNode):
         for name, robot in self._plant.robots.items():
             counters = robot.joints.counters
             figures[f"age of {name}'s joint states [ms]"] = f"{1e3 * robot.joints.age(now):.0f}"
+            if robot.base is not None:
+                figures[f"age of {name}'s base pose [ms]"] = f"{1e3 * robot.base.age(now):.0f}"
             figures[f"joint states of {name}"] = (
                 f"{counters.taken} taken, {counters.repeated} repeated, {counters.late} late, "
                 f"{counters.refused} refused"
@@ -115,6 +119,10 @@ class PlantAdapter(PlantNode):
     def _send(self, name: str, command: RobotCommand) -> None:
         """Send a robot its commands of a tick."""
         self._robots[name].send(command)
+
+    def _rewind(self, back: float) -> None:
+        """Go on where time went back by so much [s]."""
+        self._cycle.rewind(back)
 
     def _press(self, name: str, pressed: bool) -> None:
         """Take note of an emergency stop."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from lexstack.errors import InputError
 from lexstack.types import Vector
-from lexstack_plant.hardware.plant import HardwarePlant, Phase
+from lexstack_plant.hardware.memory import Phase
+from lexstack_plant.hardware.plant import HardwarePlant
 from lexstack_plant.tick_cycle import TickCycle
 
 
@@ -33,6 +34,17 @@ class HardwareCycle(TickCycle):
         self._budget = None
         self.start()
         return "all robots are enabled"
+
+    def rewind(self, back: float) -> None:
+        """Brake all robots, as time went back by so much [s]: a simulator began again.
+
+        The present tick ends a period from now: its deadline would come much later.
+        """
+        self.plant.stop(f"time went back by {back:.3g} s")
+        now = self._clock()
+        self.pacer.start(now)
+        self.pacer.begin(now)
+        self.deadline = self.pacer.deadline
 
     def take(self, tick: int, chi: Vector) -> None:
         """Take the command of a tick; raises InputError while robots are braked."""

@@ -20,23 +20,25 @@ class EffortLoop:
         self._robot = robot
         self._data = robot.pinocchio.createData()
         self._holds_weight = holds_weight
-        self._loop = ImpedanceLoop(team, _STATES, np.zeros(team.n))
+        self._loop = ImpedanceLoop(team, _STATES, np.zeros(team.nq))
 
     def begin(self, q: Vector) -> None:
-        """Begin with the torques that hold the robot at q, shape (n,)."""
+        """Begin with the torques that hold the robot at q, shape (nq,)."""
         self._loop.reset(q)
 
     def torques(self, q: Vector, v: Vector, q_star: Vector, v_star: Vector) -> Vector:
-        """Return the arm's torques [N m], shape (n_arm,); all arguments have shape (n,).
+        """Return the arm's torques [N m], shape (n_arm,).
 
         Args:
-            q: measured positions.
-            v: measured velocities.
-            q_star: desired positions.
-            v_star: desired velocities.
+            q: measured positions, shape (nq,).
+            v: measured velocities, shape (n,).
+            q_star: desired positions, shape (nq,).
+            v_star: desired velocities, shape (n,).
         """
+        if self._robot.differential:
+            v, v_star = self._robot.rate_matrix(q) @ v, self._robot.rate_matrix(q_star) @ v_star
         self._loop.update(q, v, q_star, v_star)
-        arm = self._robot.arm
+        arm = self._robot.arm_q
         torques = self._loop.control[arm].copy()
         if not self._holds_weight:
             torques -= gravity(self._robot, self._data, q)[arm]

@@ -23,7 +23,12 @@ class Guard:
         self._speed = team.limits.velocity
 
     def beyond(self, q: Vector, v: Vector) -> str:
-        """Return which joint is beyond a limit by more than the tolerance, or ''; (n,) each."""
+        """Return which joint is beyond a limit by more than the tolerance, or ''.
+
+        Args:
+            q: a position for each entry of chi, shape (n,): ``Team.joint_positions``.
+            v: velocities, shape (n,).
+        """
         low, high = q < self._lower, q > self._upper
         if low.any() or high.any():
             i = int(np.argmax(low | high))
@@ -42,7 +47,7 @@ class Guard:
         )
 
     def unready(self, q: Vector, v: Vector) -> str:
-        """Return why robots cannot be taken over as they are, or ''."""
+        """Return why robots cannot be taken over as they are, or ''; as ``beyond``."""
         return self.beyond(q, v) or self._too_fast(v, _SLOW)
 
     def _too_fast(self, v: Vector, most: float) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from lexstack.errors import InputError
 from lexstack.options import shown
 from lexstack.types import Vector
-from lexstack_plant.hardware.sender_clock import SenderClock
+from lexstack_plant.hardware.sender_clock import SenderClock, set_back
 
 _SMOOTHING = 0.02  # s, of velocities that follow from positions: of encoders they would be steps
 _PLAUSIBLE = 1.5  # times the velocity limit: what two samples may differ by
@@ -54,7 +54,8 @@ class JointIntake:
         q: rad and m, shape (n,); NaN until it is known.
         v: rad/s and m/s, shape (n,).
         times: when each joint was measured, by the local clock [s], shape (n,); -inf: never.
-        fault: why the last samples cannot be true; empty: they can. It stays until ``forget``.
+        fault: why the last samples, or their times, cannot be true; empty: they can. It stays
+            until ``forget``.
         counters: of messages.
     """
 
@@ -160,10 +161,18 @@ class JointIntake:
         raise InputError(f"joint states: {what}")
 
     def _time(self, sample: JointSample, places: np.ndarray) -> float | None:
-        """Return when a sample was measured, or None if it is not newer than what is known."""
+        """Return when a sample was measured, or None if it is not newer than what is known.
+
+        Sets ``fault`` where the sender's clock was set back.
+        """
         if self._clock is None or not sample.stamp:
             return sample.received
         newest = float(self._stamps[places].max())
+        restarted = set_back(sample.stamp, newest)
+        if restarted:
+            self.fault = restarted
+            self._stamps[:] = newest = -np.inf
+            self._clock.forget()
         if sample.stamp <= newest:
             repeated = sample.stamp == newest
             self.counters.repeated += repeated

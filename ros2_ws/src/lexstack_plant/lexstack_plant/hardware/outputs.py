@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from lexstack.limits import JointLimits
 from lexstack.types import Vector
 from lexstack_config.plant_file import ArmInterfaceConfig
@@ -66,6 +68,17 @@ class ArmOutput:
         if self.type == "velocity":
             return chi
         return self._spline.position if self.type == "position" else None
+
+
+def differential_twist(chi: Vector) -> Vector:
+    """Return the velocity of a differential base along its own axes, shape (3,).
+
+    It is the same at every time of the tick, as the heading turns with the base: its way is an arc.
+
+    Args:
+        chi: forward speed [m/s] and yaw rate [rad/s], shape (2,).
+    """
+    return np.array([chi[0], 0.0, chi[1]])
 
 
 def holonomic_twist(chi: Vector, yaw: float, dt: float) -> Vector:

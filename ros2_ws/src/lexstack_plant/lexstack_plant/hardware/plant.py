@@ -2,66 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from enum import Enum
+from collections.abc import Callable
 
 import numpy as np
 
-from lexstack.control import CommandRules
 from lexstack.errors import InputError
 from lexstack.robots import Team
 from lexstack.types import PlantStatus, RobotState, Vector
 from lexstack_config.plant_file import PlantFile
 from lexstack_config.resolved import ResolvedScenario
-from lexstack_plant.hardware.braking import SmoothBrake
+from lexstack_plant.hardware.commands import Commands
 from lexstack_plant.hardware.guard import Guard
 from lexstack_plant.hardware.joint_intake import JointSample
+from lexstack_plant.hardware.memory import HardwareCounters, HardwareMemory, Phase
 from lexstack_plant.hardware.outputs import RobotCommand
-from lexstack_plant.hardware.robot import HardwareRobot
-from lexstack_sim.impedance import per_joint
+from lexstack_plant.hardware.robots import HardwareRobots
+from lexstack_plant.hardware.takeover import Takeover
 
 _ACCEPTED = 1e-3  # relative, by which a command may exceed a limit: that of the solver's tolerance
 _FORGETS = 1.0  # s, in which the difference between commanded and measured velocities is forgotten
-_STILL = 0.02  # rad/s and m/s: slower joints are taken to be at rest when they are taken over
 
 Send = Callable[[str, RobotCommand], None]
 """Sends a robot, by its name, its commands of a tick."""
-
-
-class Phase(Enum):
-    """Whether robots are commanded."""
-
-    DISABLED = "disabled"  # nothing is sent
-    ENABLED = "enabled"  # they follow the controller
-    STOPPING = "stopping"  # they are braked, and disabled when they are at rest
-
-
-@dataclass(slots=True)
-class HardwareCounters:
-    """Ticks since the robots were enabled in which something was not as it should be."""
-
-    missing: int = 0  # no command came
-    refused: int = 0  # the command exceeded a limit
-    clamped: int = 0  # q* had run away from q and was pulled back
-    late: int = 0  # the tick was late by more than a period
-
-
-@dataclass(slots=True)
-class HardwareMemory:
-    """What the adapter remembers between ticks; vectors have shape (n,)."""
-
-    q_star: Vector
-    command: Vector
-    change: Vector  # of the command at the last tick
-    q: Vector
-    v: Vector
-    in_flight: Vector  # how far commands on their way will move the robots
-    slip: Vector  # what the commands lead farther than the measured velocities, of late
-    tick: int = 0
-    silence: int = 0
-    status: PlantStatus = PlantStatus.FOLLOWING
-    due: float = field(default=-np.inf)  # s by the local clock, of the last tick
 
 
 class HardwarePlant:
@@ -102,41 +64,20 @@ class HardwarePlant:
         self.period = 1.0 / scenario.rate
         self.seed = 0
         watchdog = round(scenario.timeouts.watchdog / self.period)
-        self.robots = {
-            model.name: HardwareRobot(
-                model,
-                plant.robots[model.name],
-                plant.safety,
-                self.period,
-                watchdog,
-                shared=plant.use_sim_time,
-            )
-            for model in team.robots
-        }
+        self._all = HardwareRobots(team, plant, watchdog)
+        self.robots = self._all.named
         self.phase, self.reason = Phase.DISABLED, "not enabled yet"
         self.armed: set[str] = set()
         self.counters = HardwareCounters()
-        self._places: Mapping[str, Vector] = {
-            name: np.array(place.base) for name, place in scenario.robots.items()
-        }
-        self._silence = watchdog + round(plant.safety.silence / self.period)
-        self._stale = plant.safety.stale
+        self._m = HardwareMemory.empty(team.nq, team.n)
+        silence = watchdog + round(plant.safety.silence / self.period)
+        self._commands = Commands(team, self._m, watchdog, silence, accepted)
+        self._rules = self._commands.rules
         self._guard = Guard(team, plant.safety)
-        self._brake = SmoothBrake(team.limits, self.period)
-        distance = per_joint(team, "q_star_distance", "q_star_distance")
-        self._rules = CommandRules(
-            team.limits,
-            self.period,
-            watchdog,
-            distance,
-            lambda chi: self._brake(chi, self._m.change),
-        )
-        self._send, self._clock, self._accepted = send, clock, accepted
-        self._arms = np.concatenate(
-            [np.arange(model.n) >= model.arm.start for model in team.robots]
-        )
-        nothing = np.zeros(team.n)
-        self._m = HardwareMemory(*(nothing.copy() for _ in range(7)))
+        places = {name: np.array(place.base) for name, place in scenario.robots.items()}
+        self._takeover = Takeover(self._all, self._guard, places)
+        self._stale = plant.safety.stale
+        self._send, self._clock = send, clock
 
     # ---- the protocol of a plant
 
@@ -161,7 +102,7 @@ class HardwarePlant:
         return RobotState(
             m.tick,
             m.tick * self.period,
-            _frozen(m.q + m.in_flight),
+            _frozen(self._all.coming(m)),
             _frozen(m.v),
             _frozen(m.q_star),
             _frozen(m.command),
@@ -186,27 +127,26 @@ class HardwarePlant:
         due = now if due is None else due
         before = m.command.copy()
         if self.phase is Phase.ENABLED:
-            self._accept(chi)
+            self._stop_if(self._commands.accept(chi, self.counters))
         if self.phase is Phase.STOPPING:
             self._rules.brake(m)
         m.change[:] = m.command - before
         self._catch_up(before, due)
-        m.q_star += self.period * m.command
+        m.q_star[:] = self.team.integrate(m.q_star, m.command, self.period)
         m.slip += self.period * (before - m.v) - self.period / _FORGETS * m.slip
-        for model, part, robot in self._parts():
+        # While robots are braked their states may be wrong: a platform is where it was led.
+        where = m.q if self.phase is Phase.ENABLED else m.q_star
+        for model, at, part, robot in self._all.parts():
             robot.push(m.command[part])
-            # While robots are braked their states may be wrong: a platform is where it was led.
-            q = m.q if self.phase is Phase.ENABLED else m.q_star
-            self._send(model, robot.command(m.command[part], q[part], due))
+            self._send(model.name, robot.command(m.command[part], where[at], due))
         m.tick, m.due = m.tick + 1, due
         self._measure(now)
         if self.phase is Phase.ENABLED:
-            fault = self._fault(now)
-            if fault:
-                self.stop(fault)
+            self._stop_if(self._fault(now))
         elif not m.command.any() and not m.change.any():
             self.phase = Phase.DISABLED
-        self.counters.clamped += self._rules.bound(m, self._known())
+        known = self._all.coming(m) if self.phase is Phase.ENABLED else m.q_star
+        self.counters.clamped += self._rules.bound(m, known)
         return self.state()
 
     def hear_joints(self, name: str, sample: JointSample) -> None:
@@ -221,11 +161,11 @@ class HardwarePlant:
         if robot.effort is None or self.resting or robot.joints.counters.taken == taken:
             return
         now = self._clock()
-        part = self.team.slices[self.team.index(name)]
+        at, part = self._all.part(name)
         q, v = robot.measured(now)
         # Between two ticks q* goes on along the command in force.
         passed = min(max(now - m.due, 0.0), self.period)
-        ahead = m.q_star[part] + (passed - self.period) * m.command[part]
+        ahead = robot.model.integrate(m.q_star[at], m.command[part], passed - self.period)
         torques = robot.effort.torques(q, v, ahead, m.command[part])
         self._send(name, RobotCommand(now, values=torques))
 
@@ -237,27 +177,29 @@ class HardwarePlant:
         Raises:
             InputError: the robot is unknown, or may not move now, and why.
         """
-        robot = self._robot(name)
+        robot = self._all.find(name)
         if self.phase is not Phase.DISABLED:
             raise InputError(f"the robots are {self.phase.value}")
         now = self._clock()
         robot.forget()
-        self._check(name, now)
+        self._takeover.check(name, self._m, now)
         self.armed.add(name)
         if len(self.armed) < len(self.robots):
             return False
         try:
             for other in self.robots:
-                self._check(other, now)
+                self._takeover.check(other, self._m, now)
         except InputError:
             self.armed.clear()
             raise
-        self._begin(now)
+        self.counters = HardwareCounters()
+        self._takeover.begin(self._m, now)
+        self.phase, self.reason = Phase.ENABLED, ""
         return True
 
     def disable(self, name: str, reason: str = "") -> None:
         """Disarm a robot: all are braked. Raises InputError if it is unknown."""
-        self._robot(name)
+        self._all.find(name)
         self.stop(reason or f"{name} was disabled")
 
     def stop(self, reason: str) -> None:
@@ -268,81 +210,17 @@ class HardwarePlant:
 
     def press(self, name: str, pressed: bool) -> None:
         """Take note of a robot's emergency stop."""
-        robot = self._robot(name)
+        robot = self._all.find(name)
         robot.pressed = pressed
         if pressed:
             self.stop(f"{name}: emergency stop")
 
     # ---- inside
 
-    def _robot(self, name: str) -> HardwareRobot:
-        """Return a robot; raises InputError."""
-        if name not in self.robots:
-            raise InputError(f"unknown robot {name!r}; known: {', '.join(self.robots)}")
-        return self.robots[name]
-
-    def _parts(self) -> list[tuple[str, slice, HardwareRobot]]:
-        """Return every robot's name, part of chi, and topics."""
-        return [
-            (name, part, self.robots[name])
-            for name, part in zip(self.team.names, self.team.slices, strict=True)
-        ]
-
-    def _check(self, name: str, now: float) -> None:
-        """Raise InputError if a robot may not move now."""
-        robot = self.robots[name]
-        wrong = robot.wrong(now)
-        if wrong:
-            raise InputError(wrong)
-        if robot.base is not None:
-            robot.base.place(self._places[name])
-        q, v = self._m.q.copy(), np.zeros(self.team.n)
-        part = self.team.slices[self.team.index(name)]
-        q[:] = np.clip(0.0, self.team.limits.position_lower, self.team.limits.position_upper)
-        q[part], v[part] = robot.measured(now)
-        unready = self._guard.unready(q, v)
-        if unready:
-            raise InputError(unready)
-
-    def _begin(self, now: float) -> None:
-        """Begin at the measured state: nothing of before is left."""
-        m = self._m
-        self.counters = HardwareCounters()
-        self._measure(now)
-        limit = self.team.limits.velocity
-        # A user's own controller may move the robot: ours begins with its velocity. What a robot
-        # at rest measures as velocity is noise.
-        m.command[:] = np.where(np.abs(m.v) > _STILL, np.clip(m.v, -limit, limit), 0.0)
-        m.q_star[:], m.change[:], m.slip[:] = m.q, 0.0, 0.0
-        m.tick, m.silence, m.status, m.due = 0, 0, PlantStatus.FOLLOWING, now
-        for _, part, robot in self._parts():
-            robot.begin(m.q[part], m.command[part])
-            m.in_flight[part] = robot.in_flight(m.command[part])
-        m.q_star += m.in_flight
-        self.phase, self.reason = Phase.ENABLED, ""
-
-    def _accept(self, chi: Vector | None) -> None:
-        """Follow a command, hold without one; stop at one beyond the limits, or after silence."""
-        m = self._m
-        if chi is None:
-            self.counters.missing += 1
-            self._rules.miss(m)
-            if m.silence > self._silence:
-                self.stop(f"no commands for {self._silence * self.period:.2g} s")
-            return
-        fast, sudden = self._rules.exceeded(m, chi, self._accepted)
-        if fast or sudden:
-            self.counters.refused += 1
-            change = np.abs(chi - m.command) / self._rules.step_limit
-            over = np.maximum(np.abs(chi) / self.team.limits.velocity, change)
-            i = int(np.argmax(over))
-            what = "velocity" if fast else "acceleration"
-            self.stop(
-                f"the command exceeds the {what} limit of {self.team.joint_names[i]} "
-                f"{over[i]:.3g} times"
-            )
-            return
-        self._rules.follow(m, chi)
+    def _stop_if(self, fault: str) -> None:
+        """Stop for a reason, if there is one."""
+        if fault:
+            self.stop(fault)
 
     def _catch_up(self, before: Vector, due: float) -> None:
         """Let the outputs go on through ticks that were left out, as their consumers have.
@@ -356,54 +234,24 @@ class HardwarePlant:
         ticks = round(gap / self.period)
         hold = 2 + round(self._stale / self.period)
         for _ in range(min(ticks, hold)):
-            for _, part, robot in self._parts():
-                robot.push(before[part])
+            self._all.push(before)
         if ticks > hold:
             self.stop(f"the adapter stood still for {1e3 * gap:.0f} ms")
 
     def _measure(self, now: float) -> None:
-        """Read the measured state of all robots; where nothing is known the last one stays."""
-        m = self._m
-        for _, part, robot in self._parts():
-            q, v = robot.measured(now)
-            known = np.isfinite(q)
-            m.q[part] = np.where(known, q, m.q[part])
-            m.v[part] = np.where(known, v, 0.0)
-            if self.phase is Phase.DISABLED:
-                continue
-            m.in_flight[part] = robot.in_flight(m.command[part])
-            if self.phase is Phase.ENABLED and not robot.wrong(now):
-                # Wheels slip: where a platform was led is where it is.
-                base = robot.platform
-                m.q_star[part][base] = m.q[part][base] + m.in_flight[part][base]
-
-    def _known(self) -> Vector:
-        """Return the measured q, or q* while the robots are braked: states may be wrong then."""
-        m = self._m
-        return m.q + m.in_flight if self.phase is Phase.ENABLED else m.q_star
+        """Read the measured state, and what is on its way where commands are sent."""
+        self._all.measure(self._m, now)
+        if self.phase is not Phase.DISABLED:
+            self._all.look_ahead(self._m, now, trusted=self.phase is Phase.ENABLED)
 
     def _fault(self, now: float) -> str:
         """Return why the robots must be stopped, or ''."""
         m = self._m
-        alone = next((wrong for r in self.robots.values() if (wrong := r.wrong(now))), "")
-        if alone:
-            return alone
-        return self._guard.beyond(m.q, m.v) or self._guard.lost(self._away())
-
-    def _away(self) -> Vector:
-        """Return how far each joint is from where it is led, shape (n,).
-
-        An arm may be led to positions. A platform is led by velocities, and its pose may be
-        corrected by whoever measures it: there the way that it did not make lately counts.
-        """
-        away = self._m.slip.copy()
-        for model, part, robot in zip(
-            self.team.robots, self.team.slices, self.robots.values(), strict=True
-        ):
-            led = robot.output.led
-            if led is not None:
-                away[part][model.arm] = led - self._m.q[part][model.arm]
-        return away
+        return (
+            self._all.wrong(now)
+            or self._guard.beyond(self.team.joint_positions(m.q), m.v)
+            or self._guard.lost(self._all.away(m))
+        )
 
 
 def _frozen(values: Vector) -> Vector:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 
+# s: no message is that much older than the newest one. Its sender began anew, or its clock was
+# corrected.
+_SET_BACK = 1.0
 _WINDOW = 5.0  # s, over which the least delay is looked for: clocks drift by less than 0.1 ms in it
 
 
@@ -26,6 +29,10 @@ class SenderClock:
         # least one of the window, the others those that will be the least once it is over.
         self._least: deque[tuple[float, float]] = deque()
 
+    def forget(self) -> None:
+        """Begin without messages: the sender's clock is another one."""
+        self._least.clear()
+
     def local(self, stamp: float, received: float) -> float:
         """Return when a message was stamped [s], by the local clock."""
         if self._shared:
@@ -37,3 +44,17 @@ class SenderClock:
         while self._least[0][0] < received - _WINDOW:
             self._least.popleft()
         return stamp + self._least[0][1]
+
+
+def set_back(stamp: float, newest: float) -> str:
+    """Return that a sender's clock was set back, as a fault, or ''.
+
+    Without this all its messages would count as late until the clock is where it was.
+
+    Args:
+        stamp: of a message [s]; 0: it has none.
+        newest: of those before [s]; -inf: there was none.
+    """
+    if not stamp or newest - stamp <= _SET_BACK:
+        return ""
+    return f"the clock of its messages was set back by {newest - stamp:.3g} s"

@@ -26,6 +26,9 @@ _ROUNDING = 1e-9  # s, of stamps
 _STALE = 1.0  # s, older than simulated time: "the newest" is then no answer
 
 
+_HERE = Pose(np.zeros(3), np.eye(3))
+
+
 class EarlyError(InputError):
     """A pose is asked for at a time that is still to come."""
 
@@ -168,7 +171,7 @@ class Transforms:
         Raises:
             InputError: the time is not known; ``EarlyError`` where it is to come.
         """
-        pose, seen = Pose(np.zeros(3), np.eye(3)), {frame}
+        pose, seen = _HERE, {frame}
         while True:
             known = root(frame)
             if known is not None:
@@ -179,6 +182,36 @@ class Transforms:
             frame = link[0]
             pose = after(link[1], pose)
             seen.add(frame)
+
+    def chain(self, frame: str) -> list[str]:
+        """Return a frame and all above it, from below, to the last one that was heard of."""
+        found = [frame]
+        while True:
+            known = self._static.get(frame) or self._moving.get(frame)
+            if known is None or known[0] in found:
+                return found
+            frame = known[0]
+            found.append(frame)
+
+    def newest(self, frame: str, parent: str) -> tuple[float, Pose] | None:
+        """Return the pose of a frame in another one above it at the newest time of all between.
+
+        Returns:
+            the time [s], 0 where nothing between them moves, and the pose; None: it is not known.
+        """
+        chain = self.chain(frame)
+        if parent not in chain:
+            return None
+        between_them = chain[: chain.index(parent)]
+        times = [
+            self._moving[each][1].newest or 0.0 for each in between_them if each not in self._static
+        ]
+        stamp = min(times, default=0.0)
+        try:
+            pose = self.find(frame, stamp, stamp, lambda each: _HERE if each == parent else None)
+        except InputError:  # of one the others' newest time is over, or still to come
+            return None
+        return None if pose is None else (stamp, pose)
 
     def _link(self, frame: str, stamp: float, now: float) -> tuple[str, Pose] | None:
         """Return the parent of a frame and where it is in it; None: it was not heard of."""

@@ -1,0 +1,1 @@
+"""A plant file from what runs: controllers, joints and topics that are there now."""
