@@ -22,6 +22,14 @@ from support.runs import chi_by_tick, read, short_scenario
 from support.view import LivePageUser, watching
 
 pytestmark = pytest.mark.system
+ELBOW = """
+name: elbow
+description: robot_a keeps a link at its target, then the bases
+levels:
+- tasks: [{type: frame_position, robot: robot_a, parameters: {frame: panda_link5}}]
+- tasks: [{type: base}]
+- tasks: [{type: velocity_damping}]
+"""
 
 
 def test_being_watched_does_not_change_chi(tmp_path):
@@ -54,6 +62,12 @@ class Visitor(User):
     def tool(self, robot):
         """Return where a tool is [m]."""
         return self.team.tools(np.array(self.states[-1].q))[robot].position
+
+    def frame(self, robot, name):
+        """Return the pose of a frame."""
+        model = self.team.robots[robot]
+        q = np.array(self.states[-1].q)[self.team.q_slices[robot]]
+        return model.at(q, model.frame(name))[0]
 
     def base(self, robot):
         """Return x, y, yaw of a base."""
@@ -117,6 +131,26 @@ def test_a_base_target_that_is_dragged_moves_the_base_there(visitor):
     visitor.page.drag_along((x, y, 0.0), axis, 0.2, arrow=0.5)
     visitor.until(lambda: shown(visitor.browser, "target sent: robot_a, base"))
     visitor.until(lambda: (visitor.base(0)[:2] - (x, y)) @ axis[:2] > 0.12, "robot_a to drive")
+
+
+def test_a_frame_of_a_stack_that_is_written_on_the_page_is_dragged(visitor):
+    visitor.page.unfold("Stack as text")
+    visitor.page.write("YAML", ELBOW)
+    visitor.press("Switch to text")
+    visitor.until(lambda: shown(visitor.browser, "elbow idle"))
+    visitor.until(lambda: np.abs(visitor.states[-1].v).max() < 1e-3, "the robots to rest")
+    before = visitor.frame(0, "panda_link5")
+    axis = max(before.rotation.T, key=lambda a: visitor.page.pixels(before.position, a))
+    visitor.page.drag_along(before.position, axis, 0.12, arrow=0.2)
+    visitor.until(lambda: shown(visitor.browser, "target sent: robot_a, panda_link5"))
+    way = 0.08  # m: the drag is as exact as pixels are
+
+    def moved():
+        return visitor.frame(0, "panda_link5").position - before.position
+
+    visitor.until(lambda: moved() @ axis > way, "the frame to go there")
+    assert np.linalg.norm(moved()) < 1.2 * (moved() @ axis)
+    visitor.page.unfold("Stack as text")
 
 
 def test_a_push_moves_the_robot(visitor):
