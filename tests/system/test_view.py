@@ -8,15 +8,17 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
+from rclpy.serialization import deserialize_message
 from std_srvs.srv import SetBool
 from websockets.exceptions import InvalidStatus
 
 from lexstack_bringup.live_page import start_page
 from lexstack_config.parts import build_team, home_of
-from lexstack_interfaces.msg import TransitionStatus
+from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_testing.played_run import apart, together
 from lexstack_testing.user import User
 from support.browser import Browser
+from support.foxglove_client import Client
 from support.hostile import shown
 from support.runs import chi_by_tick, read, short_scenario
 from support.view import LivePageUser, watching
@@ -39,7 +41,7 @@ def test_being_watched_does_not_change_chi(tmp_path):
         out.mkdir()
         with running(short_scenario(duration=3.0), out) as run:
             watched = name == "watched"
-            page = start_page(run.supervisor, out / "scenario.yaml") if watched else ""
+            page = start_page(run.supervisor, out / "scenario.yaml")[0] if watched else ""
             with watching(page) if watched else nullcontext() as heard:
                 run.play()
             assert run.end() == []
@@ -55,7 +57,9 @@ class Visitor(User):
     def __init__(self, run, browser):
         super().__init__(run, run.player)
         self.team = build_team(run.resolved)
-        self.url = start_page(run.supervisor, run.out / "scenario.yaml")
+        self.url, self.foxglove = start_page(
+            run.supervisor, run.out / "scenario.yaml", foxglove="0"
+        )
         self.browser = browser
         self.page = LivePageUser(browser, self.team, home_of(self.team, run.resolved))
 
@@ -174,6 +178,25 @@ def test_the_plant_is_paused_and_goes_on(visitor):
     visitor.until(lambda: visitor.states[-1].tick == tick + 1)
     visitor.press("Continue")
     visitor.until(lambda: visitor.states[-1].tick > tick + 50)
+
+
+def test_the_run_is_served_to_foxglove_with_its_markers(visitor):
+    client = Client(visitor.foxglove)
+    wanted = ("/plant/state", "/markers", "/tf_static", "/robot_b/robot_description")
+
+    def heard():
+        client.take()
+        return {number for number, _, _ in client.heard}
+
+    visitor.until(lambda: not heard() and set(wanted) <= client.channels.keys())
+    for number, topic in enumerate(wanted):
+        client.subscribe(topic, number)
+    visitor.until(lambda: heard() == set(range(len(wanted))), "a message of each")
+    number, stamp, data = next(each for each in client.heard if each[0] == 0)
+    state = deserialize_message(data, PlantState)
+    seconds = state.header.stamp.sec + 1e-9 * state.header.stamp.nanosec
+    assert abs(1e-9 * stamp - seconds) < 0.1, "simulated time"
+    client.close()
 
 
 def test_a_refusal_is_told(visitor):

@@ -33,15 +33,17 @@ from lexstack_interfaces.msg import (
 )
 from lexstack_ros.controller.references import HeardReferences
 from lexstack_ros.messages.conversions import to_seconds
-from lexstack_ros.messages.names import PAGE, URL, relative
+from lexstack_ros.messages.names import FOXGLOVE, PAGE, URL, relative
 from lexstack_ros.messages.qos import LATCHED
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
-from lexstack_ros.node.parameters import scenario_parameter
+from lexstack_ros.node.parameters import scenario_parameter, text_parameter
 from lexstack_ros.node.readiness import READY
 from lexstack_ros.node.spin import LAST, run_node
 from lexstack_ros.view.actions import Actions
+from lexstack_ros.view.foxglove import Foxglove
 from lexstack_ros.view.heard import COMMANDER, SOURCE, Heard, horizon_of, picture_of
 from lexstack_ros.view.markers import MARKERS, Markers
+from lexstack_ros.view.meshes import meshes_of
 from lexstack_ros.view.orders import Known, Order
 from lexstack_ros.view.page.live import LivePage
 from lexstack_ros.view.stacks import Stacks
@@ -85,11 +87,16 @@ class ViewNode(Node):
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_PERIOD, self._look, clock=wall)
         self.create_timer(_OFFERED, self._offer, clock=wall)
-        print(f"{URL}{self._page.url}\n{READY}", flush=True)
+        port = text_parameter(self, "foxglove", "port for Foxglove; empty: not served", "")
+        self._foxglove = Foxglove(self, port, meshes_of(team)) if port else None
+        served = "" if self._foxglove is None else f"{FOXGLOVE}{self._foxglove.url}\n"
+        print(f"{served}{URL}{self._page.url}\n{READY}", flush=True)
 
     def close(self) -> None:
         """Send the browsers away."""
         self._page.close()
+        if self._foxglove is not None:
+            self._foxglove.close()
 
     def _listen(self, kind: type, topic: str, depth: int) -> None:
         """Keep the last messages of a topic, as bytes."""
