@@ -22,6 +22,7 @@ from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.srv import ApplyWrench, SwitchStack
 from lexstack_ros.controller.target_topics import topic_name
 from lexstack_ros.messages.conversions import pose_message
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.plans import task_message
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.view import orders
@@ -93,7 +94,7 @@ class Actions:
     def _add_target(self, topic: str) -> None:
         """Create the publisher of a topic, once."""
         if topic not in self._targets:
-            self._targets[topic] = self._node.create_publisher(PoseStamped, topic, STREAM)
+            self._targets[topic] = self._node.create_publisher(PoseStamped, relative(topic), STREAM)
 
     def carry_out(self, order: orders.Order) -> None:
         """Do what was asked; the answer is told now, or when the service has answered."""
