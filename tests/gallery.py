@@ -13,16 +13,25 @@ from pathlib import Path
 
 from PIL import Image
 
-from lexstack.robots import RobotModel, Team
-from lexstack_config.resolved import load_robot
+from lexstack.robots import Pose, RobotModel, Team
+from lexstack_config.parts import build_team, home_of
+from lexstack_config.resolved import load_robot, load_scenario
 from lexstack_sim.render import Renderer
 from support.browser import Browser, find_browser
+from support.view import LivePageUser
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "scripts"))
 from website import examples  # noqa: E402
 
 IMAGES = ROOT / "docs/images"
+SENT = """name: elbow
+description: tools, height of the elbow, then rest
+levels:
+- tasks: [{type: ee_pose}]
+- tasks: [{type: frame_position, parameters: {frame: panda_link4, mask: [false, false, true]}}]
+- tasks: [{type: velocity_damping}]
+"""
 COLORS = 192  # of a picture: small files, and no difference to see
 
 
@@ -55,9 +64,12 @@ def sequences(path: Path) -> None:
 
 
 def live() -> None:
-    """Run the demo with its live page, and take a picture of it within a blend."""
+    """Take a picture of the live page: a stack that is sent, and a target that is dragged."""
+    resolved = load_scenario(ROOT / "config/scenarios/by-hand.yaml")
+    team = build_team(resolved)
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "lexstack_bringup.commands.demo", "--view"]
+        command = [sys.executable, "-m", "lexstack_bringup.commands.demo", "by-hand", "--view"]
+        command += ["--mode", "lockstep"]  # drawing without a graphics card makes ticks late
         run = subprocess.Popen(
             [*command, "--out", f"{folder}/run"], stdout=subprocess.PIPE, text=True, cwd=ROOT
         )
@@ -65,14 +77,26 @@ def live() -> None:
             url = next(found[0] for line in run.stdout if (found := re.search(r"http://\S+", line)))
             with Browser((1500, 950)) as page:
                 page.open(url)
-                page.wait("document.body.textContent.includes('blending')", 90)
-                page.wait("document.querySelectorAll('.uplot canvas').length >= 3")
+                user = LivePageUser(page, team, home_of(team, resolved))
+                page.wait("document.body.textContent.includes('ticks/s')", 90)
                 page.run("document.querySelector('.mantine-Notification-closeButton')?.click()")
-                time.sleep(1.0)
+                _send_and_drag(page, user, team.tools(home_of(team, resolved))[0])
                 save(IMAGES / "live.png", page.picture())
         finally:
             run.send_signal(signal.SIGINT)
             run.wait(60)
+
+
+def _send_and_drag(page: Browser, user: LivePageUser, tool: Pose) -> None:
+    """Switch to a stack that is written on the page, and drag the tool while α rises."""
+    user.unfold("Stack as text")
+    user.write("YAML", SENT)
+    user.write("in [s]", "20")
+    user.press("Switch to text")
+    page.wait("document.body.textContent.includes('blending')", 60)
+    user.drag_along(tool.position, tool.rotation[:, 2], -0.3)
+    page.wait("document.body.textContent.includes('target sent')", 30)
+    time.sleep(0.3)
 
 
 def robots() -> None:
@@ -99,12 +123,13 @@ def main() -> int:
         "--examples", nargs="*", metavar="NAME", help="run and draw examples, or all; no others"
     )
     parser.add_argument("--robots", action="store_true", help="draw config/robots; no others")
+    parser.add_argument("--live", action="store_true", help="take the live page; no others")
     options = parser.parse_args()
     if options.examples is not None:
         examples.write(tuple(options.examples))
         return 0
-    if options.robots:
-        robots()
+    if options.robots or options.live:
+        (robots if options.robots else live)()
         return 0
     folder = options.delivery or options.run
     if folder is None:

@@ -12,7 +12,7 @@ from workspace.errors import SetupError
 
 Version = tuple[int, int]
 
-STANDINS = ("tf2_msgs",)
+STANDINS = ("control_msgs", "tf2_msgs")
 """Packages of ROS in the workspace, as there are no wheels of them."""
 
 SUPPORTED: tuple[Version, ...] = ((3, 11), (3, 12), (3, 13))

@@ -28,8 +28,8 @@ _LABELLED = (
     "e.children.length < 2 && e.textContent.trim() === text && e.offsetParent).pop())"
 )
 _FIELD = (
-    f"((text) => {{ let e = {_LABELLED}(text); while (!e.querySelector('input')) "
-    "e = e.parentElement; return e.querySelector('input'); })"
+    f"((text) => {{ let e = {_LABELLED}(text); while (!e.querySelector('input, textarea')) "
+    "e = e.parentElement; return e.querySelector('input, textarea'); })"
 )
 _OPTION = (
     "((text) => [...document.querySelectorAll('[role=option]')]"
@@ -76,6 +76,13 @@ class LivePageUser:
         scale = 0.5 * height / np.tan(0.5 * FIELD) / (offset @ ahead)
         x, y = offset @ right, offset @ np.cross(right, ahead)
         return left + 0.5 * width + scale * x, top + 0.5 * height - scale * y
+
+    def pixels(self, origin, axis, way: float = 0.1):
+        """Return how far a point moves in the window along an axis by some way [m]."""
+        begin = np.array(origin)
+        return np.linalg.norm(
+            np.subtract(self.pixel(begin + way * np.array(axis)), self.pixel(begin))
+        )
 
     def drag(self, begin, end):
         """Press the mouse at a point of the world, move it to another one, and let go."""
@@ -125,6 +132,7 @@ class LivePageUser:
         self.browser.run(f"{_FIELD}({label!r}).click()")
         self.until(lambda: self.browser.run(f"!!{_OPTION}({option!r})"))
         self.browser.run(f"{_OPTION}({option!r}).click()")
+        time.sleep(0.3)  # the page sends it after a moment, and a button at once
 
     def write(self, label: str, text: str):
         """Write into the field with a label."""

@@ -8,20 +8,30 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
+from rclpy.serialization import deserialize_message
 from std_srvs.srv import SetBool
 from websockets.exceptions import InvalidStatus
 
 from lexstack_bringup.live_page import start_page
 from lexstack_config.parts import build_team, home_of
-from lexstack_interfaces.msg import TransitionStatus
+from lexstack_interfaces.msg import PlantState, TransitionStatus
 from lexstack_testing.played_run import apart, together
 from lexstack_testing.user import User
 from support.browser import Browser
+from support.foxglove_client import Client
 from support.hostile import shown
 from support.runs import chi_by_tick, read, short_scenario
 from support.view import LivePageUser, watching
 
 pytestmark = pytest.mark.system
+ELBOW = """
+name: elbow
+description: robot_a keeps a link at its target, then the bases
+levels:
+- tasks: [{type: frame_position, robot: robot_a, parameters: {frame: panda_link5}}]
+- tasks: [{type: base}]
+- tasks: [{type: velocity_damping}]
+"""
 
 
 def test_being_watched_does_not_change_chi(tmp_path):
@@ -31,7 +41,7 @@ def test_being_watched_does_not_change_chi(tmp_path):
         out.mkdir()
         with running(short_scenario(duration=3.0), out) as run:
             watched = name == "watched"
-            page = start_page(run.supervisor, out / "scenario.yaml") if watched else ""
+            page = start_page(run.supervisor, out / "scenario.yaml")[0] if watched else ""
             with watching(page) if watched else nullcontext() as heard:
                 run.play()
             assert run.end() == []
@@ -47,13 +57,21 @@ class Visitor(User):
     def __init__(self, run, browser):
         super().__init__(run, run.player)
         self.team = build_team(run.resolved)
-        self.url = start_page(run.supervisor, run.out / "scenario.yaml")
+        self.url, self.foxglove = start_page(
+            run.supervisor, run.out / "scenario.yaml", foxglove="0"
+        )
         self.browser = browser
         self.page = LivePageUser(browser, self.team, home_of(self.team, run.resolved))
 
     def tool(self, robot):
         """Return where a tool is [m]."""
         return self.team.tools(np.array(self.states[-1].q))[robot].position
+
+    def frame(self, robot, name):
+        """Return the pose of a frame."""
+        model = self.team.robots[robot]
+        q = np.array(self.states[-1].q)[self.team.q_slices[robot]]
+        return model.at(q, model.frame(name))[0]
 
     def base(self, robot):
         """Return x, y, yaw of a base."""
@@ -119,6 +137,26 @@ def test_a_base_target_that_is_dragged_moves_the_base_there(visitor):
     visitor.until(lambda: (visitor.base(0)[:2] - (x, y)) @ axis[:2] > 0.12, "robot_a to drive")
 
 
+def test_a_frame_of_a_stack_that_is_written_on_the_page_is_dragged(visitor):
+    visitor.page.unfold("Stack as text")
+    visitor.page.write("YAML", ELBOW)
+    visitor.press("Switch to text")
+    visitor.until(lambda: shown(visitor.browser, "elbow idle"))
+    visitor.until(lambda: np.abs(visitor.states[-1].v).max() < 1e-3, "the robots to rest")
+    before = visitor.frame(0, "panda_link5")
+    axis = max(before.rotation.T, key=lambda a: visitor.page.pixels(before.position, a))
+    visitor.page.drag_along(before.position, axis, 0.12, arrow=0.2)
+    visitor.until(lambda: shown(visitor.browser, "target sent: robot_a, panda_link5"))
+    way = 0.08  # m: the drag is as exact as pixels are
+
+    def moved():
+        return visitor.frame(0, "panda_link5").position - before.position
+
+    visitor.until(lambda: moved() @ axis > way, "the frame to go there")
+    assert np.linalg.norm(moved()) < 1.2 * (moved() @ axis)
+    visitor.page.unfold("Stack as text")
+
+
 def test_a_push_moves_the_robot(visitor):
     def bent():
         """How far the arm is from where the commands have it [rad]."""
@@ -140,6 +178,25 @@ def test_the_plant_is_paused_and_goes_on(visitor):
     visitor.until(lambda: visitor.states[-1].tick == tick + 1)
     visitor.press("Continue")
     visitor.until(lambda: visitor.states[-1].tick > tick + 50)
+
+
+def test_the_run_is_served_to_foxglove_with_its_markers(visitor):
+    client = Client(visitor.foxglove)
+    wanted = ("/plant/state", "/markers", "/tf_static", "/robot_b/robot_description")
+
+    def heard():
+        client.take()
+        return {number for number, _, _ in client.heard}
+
+    visitor.until(lambda: not heard() and set(wanted) <= client.channels.keys())
+    for number, topic in enumerate(wanted):
+        client.subscribe(topic, number)
+    visitor.until(lambda: heard() == set(range(len(wanted))), "a message of each")
+    number, stamp, data = next(each for each in client.heard if each[0] == 0)
+    state = deserialize_message(data, PlantState)
+    seconds = state.header.stamp.sec + 1e-9 * state.header.stamp.nanosec
+    assert abs(1e-9 * stamp - seconds) < 0.1, "simulated time"
+    client.close()
 
 
 def test_a_refusal_is_told(visitor):

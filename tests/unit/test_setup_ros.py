@@ -69,6 +69,8 @@ def test_packages_that_a_native_ros_has_itself_are_not_built(native):
     assert brought_along(Ros(native)) == (), "it may be a small installation"
     (native / "share/tf2_msgs").mkdir(parents=True)
     assert brought_along(Ros(native)) == ("tf2_msgs",)
+    (native / "share/control_msgs").mkdir(parents=True)
+    assert brought_along(Ros(native)) == ("control_msgs", "tf2_msgs")
 
 
 def test_python_version_is_compared_as_numbers():

@@ -33,7 +33,7 @@ setup(
         "console_scripts": [
             "bringup = lexstack_bringup.commands.bringup:main",
             "demo = lexstack_bringup.commands.demo:main",
-            "fit-spheres = lexstack_bringup.commands.fit_spheres:main",
+            "fit_spheres = lexstack_bringup.commands.fit_spheres:main",
             "find_plant = lexstack_bringup.commands.find_plant:main",
             "replay = lexstack_bringup.commands.replay:main",
         ],

@@ -38,6 +38,9 @@ setup(
             "view = lexstack_ros.view.node:main",
         ],
     },
-    extras_require={"test": ["pytest"]},  # by which colcon test finds test/
+    extras_require={
+        "foxglove": ["foxglove-sdk>=0.30"],  # the run in Foxglove
+        "test": ["pytest"],  # by which colcon test finds test/
+    },
     zip_safe=False,
 )

@@ -18,7 +18,8 @@ def test_all_packages_have_the_version_that_the_library_says():
     files = [*ROOT.glob("ros2_ws/src/*/setup.py"), *ROOT.glob("ros2_ws/src/*/package.xml")]
     assert len(files) > 12
     found = {str(Path(file).relative_to(ROOT)): version_in(file) for file in files}
-    assert found.pop("ros2_ws/src/tf2_msgs/package.xml") == "0.36.0"  # as in Jazzy
+    for name, version in (("tf2_msgs", "0.36.0"), ("control_msgs", "5.3.0")):  # as in Jazzy
+        assert found.pop(f"ros2_ws/src/{name}/package.xml") == version
     assert set(found.values()) == {lexstack.__version__}, found
 
 

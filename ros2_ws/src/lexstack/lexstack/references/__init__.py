@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from lexstack.references.twist_stream import Twist, TwistStream
     from lexstack.references.values import (
         TOOL,
+        Frame,
         Hold,
         Motion,
         References,
@@ -51,7 +52,7 @@ else:
             "timeline": "ROUNDING ReferenceTimeline Setting",
             "trajectory": "Trajectory",
             "twist_stream": "Twist TwistStream",
-            "values": "TOOL Hold Motion References Target combined measured",
+            "values": "TOOL Frame Hold Motion References Target combined measured",
             "waypoints": "MotionLimits Waypoints timed_waypoints",
         },
     )
@@ -64,6 +65,7 @@ __all__ = [
     "TOOL",
     "WIDTHS",
     "Fading",
+    "Frame",
     "Hold",
     "Led",
     "Motion",

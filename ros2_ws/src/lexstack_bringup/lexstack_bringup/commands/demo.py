@@ -24,7 +24,7 @@ from lexstack_bag.commands.analyze import analyze, printable
 from lexstack_bag.figures.goals import summary_lines
 from lexstack_bag.storage.folders import empty_folder
 from lexstack_bringup.domain import own_domain
-from lexstack_bringup.live_page import start_page
+from lexstack_bringup.live_page import Views, add_view_arguments
 from lexstack_bringup.naming import Naming, add_naming_arguments
 from lexstack_bringup.player import PLAYER, Player
 from lexstack_bringup.processes import ADAPTER, PLAIN, RECORDER, bring_up
@@ -59,12 +59,13 @@ def main(arguments: list[str] | None = None) -> int:
         if options.real is not None:
             resolved = options.real.applied(resolved)
         recording, naming = recorder_parameters(options), Naming.of(options)
+        views = Views.of(options)
         out = run_folder(root, options.out, resolved.scenario.name)
     except ConfigurationError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     try:
-        return _run(resolved, out, recording, naming, view=options.view, real=options.real)
+        return _run(resolved, out, recording, naming, views, real=options.real)
     except LexstackError as error:
         print(f"\nerror: {error}\nlogs: {out / 'logs'}", file=sys.stderr)
         return 1
@@ -81,9 +82,7 @@ def _parser(config: Path) -> argparse.ArgumentParser:
         "recorder; then analyse its bag.",
     )
     add_run_arguments(parser, config)
-    parser.add_argument(
-        "--view", action="store_true", help="serve a page that shows the run, with buttons"
-    )
+    add_view_arguments(parser)
     parser.add_argument(
         "--plant",
         metavar="FILE",
@@ -199,8 +198,8 @@ def _run(
     out: Path,
     recording: Mapping[str, str],
     naming: Naming,
+    views: Views,
     *,
-    view: bool,
     real: RealPlant | None = None,
 ) -> int:
     """Bring up, play, end, analyse; returns the exit code."""
@@ -217,7 +216,7 @@ def _run(
         os.environ.update(environment)
         supervisor = Supervisor(out / "logs", environment)
         try:
-            _play(resolved, supervisor, out, recording, naming, view=view, real=real)
+            _play(resolved, supervisor, out, recording, naming, views, real=real)
         finally:
             # From here on a second Ctrl-C changes nothing: all ends in order.
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -238,15 +237,14 @@ def _play(
     out: Path,
     recording: Mapping[str, str],
     naming: Naming,
+    views: Views,
     *,
-    view: bool,
     real: RealPlant | None = None,
 ) -> None:
     """Bring up the processes and play the scenario, with a line of progress."""
     with player_of(resolved, naming, real) as player:
         path, bag = out / "scenario.yaml", out / "bag"
-        if view:
-            print(f"watch it at {start_page(supervisor, path, naming)}", flush=True)
+        views.start(supervisor, path, naming)
         more = {RECORDER: recording}
         if real is not None:
             more[ADAPTER] = {"plant": str(real.path)}

@@ -13,6 +13,7 @@ from lexstack.errors import InputError
 from lexstack.types import RobotState
 from lexstack_config.parts import Parts, build_controller
 from lexstack_interfaces.msg import Chi, TransitionStatus
+from lexstack_ros.controller.follow_joint_trajectory import FollowJointTrajectory
 from lexstack_ros.controller.references import Decisions, load_ahead
 from lexstack_ros.controller.switch_services import Requests
 from lexstack_ros.controller.target_topics import TargetTopics
@@ -69,6 +70,7 @@ class HqpControllerNode(Node):
             self._resolved.scenario.references,
             self._resolved.stacks.values(),
         )
+        self._joint_goals = FollowJointTrajectory(self, self._parts.team, self._targets)
         self._decisions = Decisions(
             self, self._parts.team, self._controller.references, self._chi.sender
         )
@@ -114,6 +116,7 @@ class HqpControllerNode(Node):
             self._controller.transition.note(self._decisions.missing)
             self._decisions.missing = ""
         self._decisions.tell()
+        self._joint_goals.see(state)
         self._state = state
         self._deadline = time.monotonic() + self._patience
         self._serve(wait=True)
@@ -189,6 +192,7 @@ class HqpControllerNode(Node):
         """Begin anew after a reset of the plant."""
         self._controller = build_controller(self._resolved, self._parts)
         self._targets.schedule = self._controller.references
+        self._joint_goals.restart()
         self._decisions.restart(self._controller.references)
         self._requests.restart(self._controller.transition)
         self._absence.begin_anew()

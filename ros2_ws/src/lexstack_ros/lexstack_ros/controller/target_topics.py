@@ -14,7 +14,7 @@ from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
 from lexstack.errors import InputError, ModelError
-from lexstack.references import TOOL, ReferenceSchedule, Target
+from lexstack.references import TOOL, Hold, ReferenceSchedule, Target
 from lexstack.robots import Team
 from lexstack.tasks import StackConfig
 from lexstack.types import RobotState
@@ -65,6 +65,7 @@ class TargetTopics:
     Attributes:
         schedule: takes every valid target.
         refused: how many messages were not valid.
+        on_posture: called with the place of a robot whose posture a topic has given a target.
     """
 
     def __init__(
@@ -85,6 +86,7 @@ class TargetTopics:
         self._frames = Frames(team)
         self._early: list[Callable[[], None]] = []
         self._known: set[str] = set()
+        self.on_posture: Callable[[int], None] = lambda _robot: None
         listen(node, self._frames.transforms)
         for robot, name in enumerate(team.names):
             for kind, entry in (OF_FRAMES | OF_ROBOTS).items():
@@ -122,6 +124,34 @@ class TargetTopics:
         rejection, self._rejection = self._rejection, ""
         return rejection
 
+    def take_posture(self, robot: int, message: JointTrajectory, where: str) -> None:
+        """Take the posture of an arm that comes another way; raises InputError.
+
+        Args:
+            robot: its place in the team.
+            message: as on the topic.
+            where: stands before every complaint.
+        """
+        for target in list(to_posture(message, self._reading(robot, TOOL, where))):
+            self.schedule.add(target)
+
+    def hold_posture(self, robot: int) -> None:
+        """Bring the reference of an arm to rest from now on."""
+        self.schedule.add(Target(0.0, robot, posture=Hold()))
+
+    def _reading(self, robot: int, frame: str, where: str) -> Reading:
+        """Return what a message of now is read with."""
+        return Reading(
+            self._team,
+            robot,
+            frame,
+            where,
+            self._frames,
+            self.schedule.next,
+            self._options,
+            self._frames.state,
+        )
+
     def _subscribe(self, topic: str, entry: tuple[type, Read], robot: int, frame: str) -> None:
         """Listen to one topic, once."""
         if topic in self._known:
@@ -133,19 +163,11 @@ class TargetTopics:
 
     def _take(self, read: Read, robot: int, frame: str, topic: str, message: Any) -> None:
         """Take one message; a stamp of the past means now."""
-        reading = Reading(
-            self._team,
-            robot,
-            frame,
-            topic,
-            self._frames,
-            self.schedule.next,
-            self._options,
-            self._frames.state,
-        )
         try:
-            for target in list(read(message, reading)):
+            for target in list(read(message, self._reading(robot, frame, topic))):
                 self.schedule.add(target)
+                if target.posture is not None:
+                    self.on_posture(robot)
         except EarlyError as error:
             if error.ahead <= _WAIT and len(self._early) < _MOST_WAITING:
                 self._early.append(partial(self._take, read, robot, frame, topic, message))

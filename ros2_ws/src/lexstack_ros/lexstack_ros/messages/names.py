@@ -11,6 +11,7 @@ import re
 SOLVER = "stack_solver"  # the solver; further ones are stack_solver_2 and so on
 PAGE = "view"
 URL = "page: "  # what stands before the live page's address in what its process prints
+FOXGLOVE = "foxglove: "  # the same of the address for Foxglove
 
 
 def relative(name: str) -> str:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 import numpy as np
-from rclpy.action.server import ActionServer, ServerGoalHandle
+from rclpy.action.server import ServerGoalHandle
 
 from lexstack.errors import InputError
 from lexstack.mpc import ARCHITECTURES, SequenceTask, check_tasks
@@ -31,21 +30,6 @@ class Stage(Enum):
     WAITING = 2  # for its first tick
     RUNNING = 3  # the MPC plans; the controller follows
     LEAVING = 4  # the controller has been asked to go back; plans go on until it does
-
-
-class GoalServer(ActionServer):
-    """An action server whose goals end when they are said to, at no cost until then.
-
-    rclpy's own way is a coroutine for each goal. One that waits is asked again and again whether
-    it goes on: that keeps a core busy for as long as a goal is under way.
-    """
-
-    def notify_execute(self, _handle: ServerGoalHandle, _callback: Any) -> None:
-        """Let a goal begin: it is executing now, and nothing waits for its end."""
-
-    def finish(self, handle: ServerGoalHandle) -> None:
-        """Call the server's callback for a goal's result, and send it."""
-        super().notify_execute(handle, None)
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,11 +30,12 @@ from lexstack_ros.messages.plans import (
 )
 from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, first
+from lexstack_ros.node.goal_server import GoalServer
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter
 from lexstack_ros.node.spin import beside, run_node
 from lexstack_ros.planner.follow_client import FollowClient
-from lexstack_ros.planner.goals import GoalServer, Job, Stage, base_at, wanted_of
+from lexstack_ros.planner.goals import Job, Stage, base_at, wanted_of
 from lexstack_ros.planner.sequence_changes import SequenceChanges, Wish
 
 ACTION = "/htmpc/execute_sequence"

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
 from rclpy.action import ActionClient
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from lexstack.errors import LexstackError
 from lexstack.mpc import tasks_of
+from lexstack.references import TOOL, Frame
 from lexstack.robots import Pose, Team, from_rpy, to_quaternion
 from lexstack_config.scenario import ScenarioConfig
 from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.srv import ApplyWrench, SwitchStack
+from lexstack_ros.controller.target_topics import topic_name
 from lexstack_ros.messages.conversions import pose_message
+from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.plans import task_message
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.view import orders
@@ -50,11 +54,11 @@ class Actions:
             refuse: takes why one was not carried out.
         """
         self._scenario, self._tell, self._refuse = scenario, tell, refuse
-        self._targets = {
-            (name, kind): node.create_publisher(PoseStamped, f"{name}/{kind}", STREAM)
-            for name in team.names
-            for kind in ("ee_target", "base_target")
-        }
+        self._node, self._team = node, team
+        self._targets: dict[str, Publisher] = {}
+        for name in team.names:
+            for kind in ("ee_target", "base_target"):
+                self._add_target(f"{name}/{kind}")
         self._switch = node.create_client(SwitchStack, "robot_a/switch_stack")
         self._cancel = node.create_client(Trigger, "robot_a/cancel_transition")
         self._push = node.create_client(ApplyWrench, "sim_bridge/apply_wrench")
@@ -81,6 +85,16 @@ class Actions:
                 yield name
         if self._sequences is not None and self._sequences.server_is_ready():
             yield SEQUENCES
+
+    def expect(self, frames: Iterable[Frame]) -> None:
+        """Be ready for targets of further frames: the first one would come before discovery."""
+        for robot, frame in frames:
+            self._add_target(_topic_of(self._team.names[robot], frame))
+
+    def _add_target(self, topic: str) -> None:
+        """Create the publisher of a topic, once."""
+        if topic not in self._targets:
+            self._targets[topic] = self._node.create_publisher(PoseStamped, relative(topic), STREAM)
 
     def carry_out(self, order: orders.Order) -> None:
         """Do what was asked; the answer is told now, or when the service has answered."""
@@ -110,6 +124,10 @@ class Actions:
                 self._switch,
                 lambda o: SwitchStack.Request(stack=o.stack, duration=o.duration),
             ),
+            orders.SwitchToText: (
+                self._switch,
+                lambda o: SwitchStack.Request(stack_yaml=o.text, duration=o.duration),
+            ),
             orders.Cancel: (self._cancel, lambda _: Trigger.Request()),
             orders.Push: (self._push, _wrench),
             orders.Pause: (self._pause, lambda o: SetBool.Request(data=o.paused)),
@@ -124,15 +142,18 @@ class Actions:
     def _send_target(self, order: orders.ToolTarget | orders.BaseTarget) -> None:
         """Publish a reference from now on."""
         if isinstance(order, orders.ToolTarget):
-            kind, turn = "ee_target", np.array(order.quaternion)
+            topic, turn = _topic_of(order.robot, order.frame), np.array(order.quaternion)
+            what = "ee" if order.frame == TOOL else order.frame
             pose = Pose(np.array(order.position), np.eye(3))
         else:
             x, y, yaw = order.place
-            kind, turn = "base_target", to_quaternion(from_rpy((0.0, 0.0, yaw)))
+            topic, turn = f"{order.robot}/base_target", to_quaternion(from_rpy((0.0, 0.0, yaw)))
+            what = "base"
             pose = Pose(np.array([x, y, 0.0]), np.eye(3))
-        self._targets[order.robot, kind].publish(pose_message(pose, 0.0, turn))
+        self._add_target(topic)
+        self._targets[topic].publish(pose_message(pose, 0.0, turn))
         place = ", ".join(f"{value:.3f}" for value in pose.position)
-        self._tell(f"target sent: {order.robot}, {kind.partition('_')[0]}: {place} m")
+        self._tell(f"target sent: {order.robot}, {what}: {place} m")
 
     def _call(self, client: Any, request: Any) -> None:
         """Call a service; its message is told, or the reason of a refusal."""
@@ -192,6 +213,11 @@ class Actions:
         for name in sorted(held):
             self._release.publish(String(data=name))
         self._tell(f"released: {', '.join(sorted(held))}")
+
+
+def _topic_of(robot: str, frame: str) -> str:
+    """Return the topic of the targets of a robot's frame."""
+    return f"{robot}/ee_target" if frame == TOOL else f"{robot}/{topic_name(frame)}/ee_target"
 
 
 def _wrench(order: orders.Push) -> ApplyWrench.Request:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import TypeVar
@@ -12,10 +12,10 @@ import numpy as np
 from trajectory_msgs.msg import JointTrajectory
 
 from lexstack.errors import InputError
-from lexstack.references import References
-from lexstack.robots import Team
+from lexstack.references import Frame, References
+from lexstack.robots import Pose, Team
 from lexstack.transition import Phase
-from lexstack.types import Matrix, PlantStatus
+from lexstack.types import Matrix, PlantStatus, Vector
 from lexstack_interfaces.msg import Chi, PlantState, SequenceStatus, TransitionStatus
 from lexstack_ros.messages.conversions import to_seconds, to_vector
 from lexstack_ros.messages.plans import PLAN, robot_of
@@ -37,6 +37,7 @@ class Heard:
         chi: of each controller that has sent one, the controller first: the command.
         horizons: as in ``Picture``.
         progress: of the sequences under way.
+        frames: further ones that tasks of the stacks in effect move.
     """
 
     state: PlantState
@@ -44,6 +45,7 @@ class Heard:
     chi: Mapping[str, Chi] = field(default_factory=dict)
     horizons: Mapping[int, Matrix] = field(default_factory=dict)
     progress: Sequence[SequenceStatus] = ()
+    frames: Collection[Frame] = ()
 
 
 def picture_of(team: Team, heard: Heard, references: References, goals: References) -> Picture:
@@ -57,10 +59,11 @@ def picture_of(team: Team, heard: Heard, references: References, goals: Referenc
     command = chi.get(COMMANDER)
     busy = [status for status in statuses if status.phase != TransitionStatus.IDLE]
     status = (busy or [*statuses, TransitionStatus()])[0]
+    q = to_vector(state.q, team.nq, "/plant/state: q")
     return Picture(
         time,
         int(state.tick),
-        to_vector(state.q, team.nq, "/plant/state: q"),
+        q,
         _word(PlantStatus, state.status, "/plant/state: status"),
         "; ".join(_stack(team, status) for status in statuses),
         _word(Phase, status.phase, "/robot_a/transition: phase").name.lower(),
@@ -73,6 +76,7 @@ def picture_of(team: Team, heard: Heard, references: References, goals: Referenc
         goals,
         team.obstacles.at(time),
         heard.horizons,
+        {frame: _goal_of(team, q, frame, goals) for frame in heard.frames},
         tuple(map(_work, heard.progress)),
     )
 
@@ -90,6 +94,16 @@ def horizon_of(message: JointTrajectory, team: Team) -> tuple[int, Matrix]:
         for k, point in enumerate(message.points[:_MOST_STAGES])
     ]
     return robot, np.array([pose.position for pose in points]).reshape(-1, 3)
+
+
+def _goal_of(team: Team, q: Vector, frame: Frame, goals: References) -> Pose:
+    """Return where the reference of a frame leads, or where the frame is if it has none."""
+    robot, name = frame
+    goal = goals.pose(robot, name)
+    if goal is not None:
+        return goal
+    model = team.robots[robot]
+    return model.at(q[team.q_slices[robot]], model.frame(name))[0]
 
 
 def _stack(team: Team, status: TransitionStatus) -> str:

@@ -22,21 +22,31 @@ from visualization_msgs.msg import MarkerArray
 from lexstack.errors import InputError
 from lexstack.references import References, measured
 from lexstack.types import Matrix
-from lexstack_bag.topics import PLAN, PLANT_STATE, PROGRESS, TRANSITION
+from lexstack_bag.topics import PLAN, PLANT_STATE, PROGRESS, REQUEST, TRANSITION
 from lexstack_config.parts import build_team, home_of
-from lexstack_interfaces.msg import Chi, PlantState, SequenceStatus, TransitionStatus
+from lexstack_interfaces.msg import (
+    Chi,
+    PlantState,
+    SequenceStatus,
+    StackRequest,
+    TransitionStatus,
+)
 from lexstack_ros.controller.references import HeardReferences
 from lexstack_ros.messages.conversions import to_seconds
-from lexstack_ros.messages.names import PAGE, URL, relative
+from lexstack_ros.messages.names import FOXGLOVE, PAGE, URL, relative
+from lexstack_ros.messages.qos import LATCHED
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
-from lexstack_ros.node.parameters import scenario_parameter
+from lexstack_ros.node.parameters import scenario_parameter, text_parameter
 from lexstack_ros.node.readiness import READY
 from lexstack_ros.node.spin import LAST, run_node
 from lexstack_ros.view.actions import Actions
+from lexstack_ros.view.foxglove import Foxglove
 from lexstack_ros.view.heard import COMMANDER, SOURCE, Heard, horizon_of, picture_of
 from lexstack_ros.view.markers import MARKERS, Markers
+from lexstack_ros.view.meshes import meshes_of
 from lexstack_ros.view.orders import Known, Order
 from lexstack_ros.view.page.live import LivePage
+from lexstack_ros.view.stacks import Stacks
 
 _PERIOD = 0.05  # s of wall time between two pictures
 _OFFERED = 1.0  # s of wall time between two looks at what is served
@@ -61,7 +71,8 @@ class ViewNode(Node):
         home = home_of(team, resolved)
         self._home = measured(team, home)
         scenario = resolved.scenario
-        known = Known(team.names, tuple(sorted(resolved.stacks)), tuple(sorted(scenario.sequences)))
+        self._stacks = Stacks(team, resolved.stacks)
+        known = Known(team.names, self._stacks.names, tuple(sorted(scenario.sequences)))
         self._page = LivePage(f"lexstack: {scenario.name}", team, home, known, self._orders.put)
         self._listen(PlantState, PLANT_STATE, 1)
         for name in (COMMANDER, SOURCE):
@@ -69,17 +80,23 @@ class ViewNode(Node):
         self._listen(TransitionStatus, TRANSITION, self._most)
         self._listen(JointTrajectory, PLAN, self._most)
         self._listen(SequenceStatus, PROGRESS, self._most)
+        self.create_subscription(StackRequest, relative(REQUEST), self._on_request, LATCHED)
         self._markers = Markers(team)
         self._markers_out = self.create_publisher(MarkerArray, relative(MARKERS), _newest(1))
         self._actions = Actions(self, team, scenario, self._page.say, self._page.refuse)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_PERIOD, self._look, clock=wall)
         self.create_timer(_OFFERED, self._offer, clock=wall)
-        print(f"{URL}{self._page.url}\n{READY}", flush=True)
+        port = text_parameter(self, "foxglove", "port for Foxglove; empty: not served", "")
+        self._foxglove = Foxglove(self, port, meshes_of(team)) if port else None
+        served = "" if self._foxglove is None else f"{FOXGLOVE}{self._foxglove.url}\n"
+        print(f"{served}{URL}{self._page.url}\n{READY}", flush=True)
 
     def close(self) -> None:
         """Send the browsers away."""
         self._page.close()
+        if self._foxglove is not None:
+            self._foxglove.close()
 
     def _listen(self, kind: type, topic: str, depth: int) -> None:
         """Keep the last messages of a topic, as bytes."""
@@ -90,6 +107,12 @@ class ViewNode(Node):
     def _hear(self, topic: str, data: bytes) -> None:
         """Keep a message."""
         self._bytes[topic].append(data)
+
+    def _on_request(self, message: StackRequest) -> None:
+        """Learn a stack that a user has sent."""
+        if message.stack_yaml:
+            self._stacks.learn(message.stack_yaml)
+            self._page.know_stacks(self._stacks.names)
 
     def _last(self, kind: type, topic: str) -> list[Any]:
         """Return the last messages of a topic."""
@@ -118,13 +141,14 @@ class ViewNode(Node):
         }
         now = to_seconds(state.header.stamp)
         try:
-            heard = Heard(
-                state, self._transitions(), chi, self._horizons(now), self._work(state.tick)
-            )
+            statuses = self._transitions()
+            frames = self._stacks.frames(statuses)
+            heard = Heard(state, statuses, chi, self._horizons(now), self._work(state.tick), frames)
             picture = picture_of(self._team, heard, *self._in_effect(now))
         except InputError:
             return  # of another team: its controller says so
         if self._page.is_watched:
+            self._actions.expect(frames)
             self._page.show(picture)
         if drawn:
             self._markers_out.publish(self._markers.message(picture))

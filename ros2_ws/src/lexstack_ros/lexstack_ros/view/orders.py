@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from lexstack.errors import InputError
+from lexstack.references import TOOL
+from lexstack_config.sent_stacks import LARGEST
 
 _FARTHEST = 100.0  # m
 _LONGEST = 60.0  # s
@@ -26,17 +28,26 @@ class Switch:
 
 
 @dataclass(frozen=True, slots=True)
+class SwitchToText:
+    """Switch to the stack in a text of YAML; duration [s] as in ``Switch``."""
+
+    text: str
+    duration: float
+
+
+@dataclass(frozen=True, slots=True)
 class Cancel:
     """Go back from the transition that is under way."""
 
 
 @dataclass(frozen=True, slots=True)
 class ToolTarget:
-    """A new goal of a tool: position [m] and quaternion x, y, z, w, world."""
+    """A new goal of a tool or another frame: position [m], quaternion x, y, z, w, world."""
 
     robot: str
     position: tuple[float, ...]
     quaternion: tuple[float, ...]
+    frame: str = TOOL
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +111,8 @@ class Release:
 
 
 Order = (
-    Switch | Cancel | ToolTarget | BaseTarget | Push | Pause | Step | Reset | Enable | Execute
-    | Stop | Release
+    Switch | SwitchToText | Cancel | ToolTarget | BaseTarget | Push | Pause | Step | Reset | Enable
+    | Execute | Stop | Release
 )  # fmt: skip
 
 
@@ -119,13 +130,24 @@ class Known:
             one_of(stack, "stack", self.stacks), number(duration, "duration", 0.0, _LONGEST)
         )
 
-    def tool_target(self, robot: Any, position: Any, quaternion: Any) -> ToolTarget:
+    def switch_to_text(self, text: Any, duration: Any) -> SwitchToText:
+        """Return the order; what is in the text, the controller checks."""
+        if not isinstance(text, str) or not text.strip():
+            raise InputError("stack as text: it is empty")
+        size = len(text.encode("utf-8", "surrogatepass"))
+        if size > LARGEST:
+            raise InputError(f"stack as text: {size} bytes, at most {LARGEST}")
+        return SwitchToText(text, number(duration, "duration", 0.0, _LONGEST))
+
+    def tool_target(
+        self, robot: Any, position: Any, quaternion: Any, frame: str = TOOL
+    ) -> ToolTarget:
         """Return the order; the quaternion is x, y, z, w."""
         turn = numbers(quaternion, "orientation", 4, 1.0 + _UNIT)
         if abs(math.hypot(*turn) - 1.0) > _UNIT:
             raise InputError(f"orientation: norm must be 1, got {math.hypot(*turn):.4f}")
         place = numbers(position, "position", 3, _FARTHEST)
-        return ToolTarget(one_of(robot, "robot", self.robots), place, turn)
+        return ToolTarget(one_of(robot, "robot", self.robots), place, turn, frame)
 
     def base_target(self, robot: Any, place: Any) -> BaseTarget:
         """Return the order; the place is x, y, yaw."""

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lexstack.references import References
+from lexstack.references import Frame, References
+from lexstack.robots import Pose
 from lexstack.types import Matrix, PlantStatus, Vector
 
 WINDOW = 20.0  # s of simulated time that the plots cover
@@ -31,6 +32,8 @@ class Picture:
         solve: time of the last solve of each controller [ms], nan: nothing was solved since.
         references: in effect.
         goals: where the references lead.
+        frames: of further frames that tasks of the stacks in effect move: where their references
+            lead, or where the frames are as long as they have none.
         obstacles: centers, shape (k, 3), m, world.
         horizons: of the plans of the MPC: positions of the tool over the horizon, shape (m, 3), m,
             by the robot's place in the team.
@@ -52,6 +55,7 @@ class Picture:
     goals: References
     obstacles: Matrix
     horizons: Mapping[int, Matrix] = field(default_factory=dict)
+    frames: Mapping[Frame, Pose] = field(default_factory=dict)
     sequences: tuple[str, ...] = ()
 
 

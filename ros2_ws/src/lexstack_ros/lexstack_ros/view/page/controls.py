@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -24,6 +25,12 @@ from lexstack_ros.view.orders import (
 
 SWITCH, PUSH, PLANT, SEQUENCES, ENABLE = "switch", "push", "plant", "sequences", "enable"
 """What a run may offer; enabling is offered robot by robot, as ``enable NAME``."""
+_EXAMPLE = """name: my_stack
+description: tools at their targets, then rest
+levels:
+- tasks: [{type: ee_pose}]
+- tasks: [{type: velocity_damping}]
+"""
 
 
 class Controls:
@@ -57,10 +64,16 @@ class Controls:
             name == PLANT or name.startswith(ENABLE) for name in services
         )
 
+    def know_stacks(self, names: Sequence[str]) -> None:
+        """Offer other stacks, as users send them; what is chosen stays."""
+        if tuple(names) != tuple(self._known.stacks):
+            self._known = replace(self._known, stacks=tuple(names))
+            self._stack.options = tuple(names)
+
     def _stacks(self) -> None:
-        """Add the switch of stacks."""
+        """Add the switch of stacks, and the field for one that is written on the page."""
         with self._gui.add_folder("Stack", order=20) as folder:
-            stack = self._gui.add_dropdown("to", tuple(self._known.stacks))
+            self._stack = stack = self._gui.add_dropdown("to", tuple(self._known.stacks))
             duration = self._gui.add_number("in [s]", 0.0, min=0.0, max=60.0, step=0.1)
             self._buttons(
                 "",
@@ -69,7 +82,13 @@ class Controls:
                     "Cancel": Cancel,
                 },
             )
-        self._offered[SWITCH] = [folder]
+        with self._gui.add_folder("Stack as text", order=22, expand_by_default=False) as written:
+            text = self._gui.add_text("YAML", _EXAMPLE, multiline=True)
+            self._buttons(
+                "",
+                {"Switch to text": lambda: self._known.switch_to_text(text.value, duration.value)},
+            )
+        self._offered[SWITCH] = [folder, written]
 
     def _targets(self) -> None:
         """Add targets by numbers, for who knows them."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 
 from lexstack.robots import Team
 from lexstack.types import Vector
@@ -44,7 +44,7 @@ class LivePage(Page):
         """Show a picture to all who look."""
         with self.server.atomic():
             self.draw(picture, self._rate(picture.tick))
-            self._targets.show(picture.goals)
+            self._targets.show(picture.goals, picture.frames)
         self._history.add(picture)
         if self.plots_are_due():
             self.plot(self._history.curves())
@@ -52,6 +52,10 @@ class LivePage(Page):
     def offer(self, services: Collection[str]) -> None:
         """Show the buttons of what the run serves."""
         self._controls.offer(services)
+
+    def know_stacks(self, names: Sequence[str]) -> None:
+        """Offer these stacks from now on."""
+        self._controls.know_stacks(names)
 
     def say(self, text: str) -> None:
         """Show what became of an order."""
