@@ -189,6 +189,7 @@ class Maker:
             "empty_bounds": 0,
             "solve_time": 0.0,
             "reason": "",
+            "transitions": [],
         }
         self.put(
             f"/{robot}/chi",

@@ -22,9 +22,9 @@ from visualization_msgs.msg import MarkerArray
 from lexstack.errors import InputError
 from lexstack.references import References, measured
 from lexstack.types import Matrix
-from lexstack_bag.topics import PLAN, PLANT_STATE, PROGRESS, TRANSITION
+from lexstack_bag.topics import PLAN, PLANT_STATE, PROGRESS
 from lexstack_config.parts import build_team, home_of
-from lexstack_interfaces.msg import Chi, PlantState, SequenceStatus, TransitionStatus
+from lexstack_interfaces.msg import Chi, PlantState, SequenceStatus
 from lexstack_ros.controller.references import HeardReferences
 from lexstack_ros.messages.conversions import to_seconds
 from lexstack_ros.messages.names import PAGE, URL, relative
@@ -66,7 +66,6 @@ class ViewNode(Node):
         self._listen(PlantState, PLANT_STATE, 1)
         for name in (COMMANDER, SOURCE):
             self._listen(Chi, f"/{name}/chi", 1)
-        self._listen(TransitionStatus, TRANSITION, self._most)
         self._listen(JointTrajectory, PLAN, self._most)
         self._listen(SequenceStatus, PROGRESS, self._most)
         self._markers = Markers(team)
@@ -118,9 +117,8 @@ class ViewNode(Node):
         }
         now = to_seconds(state.header.stamp)
         try:
-            heard = Heard(
-                state, self._transitions(), chi, self._horizons(now), self._work(state.tick)
-            )
+            statuses = chi[COMMANDER].transitions if COMMANDER in chi else ()
+            heard = Heard(state, statuses, chi, self._horizons(now), self._work(state.tick))
             picture = picture_of(self._team, heard, *self._in_effect(now))
         except InputError:
             return  # of another team: its controller says so
@@ -135,16 +133,6 @@ class ViewNode(Node):
         if timeline.newest is None:
             return self._home, self._home
         return timeline.at(now), timeline.newest.references(timeline.newest.at + _LATER)
-
-    def _transitions(self) -> list[TransitionStatus]:
-        """Return the statuses of the last tick that is whole: those of one tick come one by one."""
-        heard = self._last(TransitionStatus, TRANSITION)
-        if not heard:
-            return []
-        last = heard[-1].tick
-        before = [status.tick for status in heard if status.tick != last]
-        whole = before[-1] if before else last
-        return [status for status in heard if status.tick == whole]
 
     def _horizons(self, now: float) -> dict[int, Matrix]:
         """Return the newest plan of each robot; none of before, and none of another team."""
