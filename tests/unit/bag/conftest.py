@@ -85,6 +85,8 @@ class Messages:
             point = store.types[f"{geometry}/Point"](*map(float, fields.pop("position")))
             turn = store.types[f"{geometry}/Quaternion"](*map(float, fields.pop("quaternion")))
             fields["pose"] = store.types[f"{geometry}/Pose"](point, turn)
+        if type_name == "lexstack_interfaces/msg/Chi":
+            fields.setdefault("transitions", [])
         message = store.types[type_name](**fields)
         return bytes(store.serialize_cdr(message, type_name))
 

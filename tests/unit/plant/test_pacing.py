@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from lexstack_plant.pacing import Pacer
+from lexstack_plant.pacing import Pacer, Sparse
 
 PERIOD, PATIENCE = 0.01, 2.0
 
@@ -65,3 +66,23 @@ def test_realtime_starts_anew_when_far_behind():
     assert pacer.deadline == pytest.approx(3.0 + PERIOD)
     pacer.begin(3.0 + PERIOD)
     assert pacer.late_ticks == 1
+
+
+@pytest.mark.parametrize(("tick", "jitter"), [(0.01, 0.003), (0.004, 0.0015), (0.0017, 0.0005)])
+def test_what_is_for_onlookers_comes_at_its_rate_of_wall_time_in_the_mean(tick, jitter):
+    rng, now = np.random.default_rng(0), [100.0]
+    due, times = Sparse(50.0, tick, clock=lambda: now[0]), []
+    for k in range(round(4.0 / tick)):
+        now[0] = 100.0 + k * tick + rng.uniform(-jitter, jitter)
+        if due():
+            times.append(now[0])
+    assert len(times) == pytest.approx(200, abs=2)
+    assert np.diff(times).max() < 0.02 + tick + 2.0 * jitter
+
+
+def test_what_is_for_onlookers_does_not_catch_up_after_a_pause():
+    now = [0.0]
+    due = Sparse(50.0, 0.01, clock=lambda: now[0])
+    assert due()
+    now[0] = 10.0
+    assert [due() for _ in range(5)] == [True, False, False, False, False]

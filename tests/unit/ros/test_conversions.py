@@ -77,7 +77,8 @@ def test_a_command_and_its_transition_go_out():
     np.testing.assert_array_equal(chi.lower, command.bounds.lower)
     assert (chi.tick, chi.stack, chi.transition_id) == (4, "posture", command.transition.id)
     assert (chi.status, chi.empty_bounds, chi.reason) == (Chi.SOLVED, 0, "")
-    status = conversions.transition_status(command, command.transition, TransitionStatus())
+    status = conversions.transition_status(command, command.transition)
+    assert list(chi.transitions) == [status]
     assert status.robots == list(team().names)
     assert status.phase == TransitionStatus.BLENDING
     assert (status.from_stack, status.to_stack, status.source) == ("track", "posture", "robot_b")

@@ -13,6 +13,8 @@ from geometry_msgs.msg import (
     TwistStamped,
 )
 from nav_msgs.msg import Path
+from rclpy.serialization import serialize_message
+from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import (
     JointTrajectory,
     JointTrajectoryPoint,
@@ -26,6 +28,7 @@ from lexstack.tasks import LevelConfig, StackConfig, TaskConfig
 from lexstack_config.reference_topics import ReferenceTopicsConfig
 from lexstack_config.resolved import load_robot
 from lexstack_ros.controller.target_topics import TargetTopics
+from lexstack_ros.intake import frames
 from lexstack_ros.messages.conversions import to_time
 from support.scenario import CONFIG, home, state_at, team
 
@@ -41,7 +44,7 @@ class Node:
     def __init__(self):
         self.listeners, self.said = {}, []
 
-    def create_subscription(self, kind, topic, take, _qos):
+    def create_subscription(self, kind, topic, take, _qos, **_how):
         self.listeners[f"/{topic}"] = kind, take  # relative, in no namespace
 
     def get_logger(self):
@@ -355,6 +358,38 @@ def hear(bench, parent, child, position, stamp=0.0, *, static=False):
     there, message.transform.rotation.w = message.transform.translation, 1.0
     there.x, there.y, there.z = map(float, position)
     bench.topics._frames.transforms.hear([message], static=static)
+
+
+def tree(*children, stamp=0.0):
+    """Return the bytes of a message of /tf."""
+    transforms = [TransformStamped(child_frame_id=child) for child in children]
+    for each in transforms:
+        header(each, "world", stamp)
+        each.transform.rotation.w = 1.0
+    return serialize_message(TFMessage(transforms=transforms))
+
+
+def test_of_the_plants_own_tree_nothing_is_kept_and_the_second_message_is_not_decoded(
+    bench, monkeypatch
+):
+    own = ("robot_a/base", "robot_a/panda_link3", "robot_b/tool", "robot_b/odom", "/robot_a/world")
+    _, take = bench.node.listeners["/tf"]
+    take(tree(*own))
+    assert bench.topics._frames.transforms.frames == ()
+    decoded = []
+    monkeypatch.setattr(frames, "deserialize_message", lambda data, _kind: decoded.append(data))
+    take(tree(*own, stamp=1.0))
+    assert decoded == []
+    monkeypatch.undo()
+    take(tree(*own[:-1], "robot_a/camera"))  # a user's, on a robot
+    take(tree(*own[:-1], "robot_c"))
+    assert set(bench.topics._frames.transforms.frames) >= {"robot_a/camera", "robot_c"}
+
+
+def test_bytes_that_are_no_transforms_are_counted(bench):
+    _, take = bench.node.listeners["/tf_static"]
+    take(tree("camera")[:30])
+    assert bench.topics._frames.transforms.refused == 1
 
 
 def test_a_target_in_a_frame_that_is_heard_on_tf_behind_a_robots_own(bench):

@@ -15,7 +15,7 @@ SCENARIO = "/robot_a/scenario"
 """Where the controller publishes the resolved scenario, for recorders of others."""
 PLAN, PROGRESS, SEQUENCE = "/htmpc/plan", "/htmpc/status", "/htmpc/sequence"
 
-NEEDED = (PLANT_STATE, COMMAND, TRANSITION)
+NEEDED = (PLANT_STATE, COMMAND)
 """Topics without which there is nothing to analyse."""
 
 STREAMS = {
@@ -25,7 +25,7 @@ STREAMS = {
     SOLUTION: f"{_OURS}/Chi",
     TRANSITION: f"{_OURS}/TransitionStatus",
 }
-"""What is sent at every tick."""
+"""What is sent while ticks go on: state and chi at every tick, the rest less often."""
 
 TOOLS = {
     "joint_states": "sensor_msgs/msg/JointState",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 
 import numpy as np
@@ -17,7 +16,6 @@ from lexstack_ros.messages.conversions import WORLD, to_time
 from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_sim.link_frames import LinkFrames
 
-_PERIOD = 0.02  # s of wall time between two messages, at least
 _HEAD = 4  # bytes before the content of a serialised message
 _MARK = 987_654_321
 _BASE_LINK = "base_link"
@@ -45,15 +43,11 @@ class FrameTopics:
             ]
         )
         self._out = node.create_publisher(TFMessage, "tf", STREAM)
-        self._due = 0.0
 
     def publish(self, stamp: float, q: Vector) -> None:
-        """Publish what moves at q, shape (nq,), if somebody listens and it is time to."""
-        now = time.monotonic()
-        if now < self._due or not self._out.get_subscription_count():
-            return
-        self._due = max(self._due + _PERIOD, now)
-        self._out.publish(self.message(stamp, q))
+        """Publish what moves at q, shape (nq,), if somebody listens."""
+        if self._out.get_subscription_count():
+            self._out.publish(self.message(stamp, q))
 
     def message(self, stamp: float, q: Vector) -> bytes:
         """Return the message of a stamp [s] and q, serialised."""

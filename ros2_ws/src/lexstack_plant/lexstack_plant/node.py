@@ -22,6 +22,7 @@ from lexstack_plant.pacing import Pacer
 from lexstack_plant.tick_cycle import TickCycle
 from lexstack_plant.topics import PlantTopics
 from lexstack_ros.intake.drain import waiting
+from lexstack_ros.messages.cdr import Reader
 from lexstack_ros.messages.conversions import check_robots, to_vector
 from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import STREAM
@@ -31,6 +32,7 @@ from lexstack_ros.node.readiness import Readiness
 from lexstack_ros.node.sole_sender import SoleSender
 
 _COMMAND = "/robot_a/chi"
+_OF_COMMAND = ("tick", "sender", "robots", "chi", "status", "reason")
 _EARLY = 1e-4  # s, by which a timer may come too early
 # A timer without a period would fire all the time while something else takes long, and its events
 # be queued faster than they are taken.
@@ -69,7 +71,10 @@ class PlantNode(Node):
         """
         self._now = now
         self._team, self._pacer, self._tick_cycle, self._topics = team, pacer, tick_cycle, topics
-        self._commands = self.create_subscription(Chi, relative(_COMMAND), self._on_command, STREAM)
+        self._read = Reader(Chi, _COMMAND, _OF_COMMAND)
+        self._commands = self.create_subscription(
+            Chi, relative(_COMMAND), self._on_command, STREAM, raw=True
+        )
         self.create_service(SetBool, "~/pause", self._on_pause)
         self.create_service(Trigger, "~/step", self._on_step)
         self.create_service(Trigger, "~/reset", self._on_reset)
@@ -116,15 +121,16 @@ class PlantNode(Node):
         self._topics.publish(state, status, self._pacer.late_ticks, missing, self._commander.name)
         self.publish_more(state)
 
-    def _on_command(self, message: Chi) -> None:
+    def _on_command(self, data: bytes) -> None:
         """Take a command, and what waits behind it."""
-        for command in (message, *(other for other, _ in waiting(self._commands))):
+        for command in (data, *(other for other, _ in waiting(self._commands))):
             self._take(command)
         self.wake_up()
 
-    def _take(self, message: Chi) -> None:
+    def _take(self, data: bytes) -> None:
         """Take a command, or refuse it and say why."""
         try:
+            message = self._read(data)
             check_robots(message.robots, self._team, _COMMAND)
             if message.status == Chi.FAILED:
                 raise InputError(f"{_COMMAND}: its solver failed: {message.reason}")

@@ -1,6 +1,12 @@
-"""When to stop waiting for a command: the only difference between lockstep and realtime. No ROS."""
+"""When to stop waiting for a command: the only difference between lockstep and realtime. No ROS.
+
+And how often to tell those who only look on.
+"""
 
 from __future__ import annotations
+
+import time
+from collections.abc import Callable
 
 from lexstack_config.scenario import Mode
 
@@ -72,3 +78,29 @@ class Pacer:
     def missed(self) -> None:
         """Take note that the deadline passed without a command."""
         self._alive = False
+
+
+class Sparse:
+    """Says when something is due that is to come at most at a rate of wall time.
+
+    What happens at ticks comes a little early or late: it is due half a tick before its time, and
+    the times stay on their grid, so that the rate is kept in the mean.
+    """
+
+    def __init__(
+        self, rate: float, tick: float, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        """``rate`` [Hz] of wall time; ``tick``: the period of ticks [s]; ``clock`` is monotonic."""
+        self._period = 1.0 / rate
+        self._early = min(0.5 * tick, 0.5 * self._period)
+        self._clock = clock
+        self._due = 0.0
+
+    def __call__(self) -> bool:
+        """Return whether it is due, and if so count it as done."""
+        now = self._clock()
+        if now < self._due - self._early:
+            return False
+        begins_anew = now - self._due > self._period
+        self._due = (now if begins_anew else self._due) + self._period
+        return True

@@ -15,6 +15,8 @@ from lexstack.robots import RobotModel, Team, to_quaternion
 from lexstack.types import RobotState, Vector
 from lexstack_interfaces.msg import PlantState
 from lexstack_plant.frames import FrameTopics
+from lexstack_plant.pacing import Sparse
+from lexstack_ros.messages.cdr import Buffer
 from lexstack_ros.messages.conversions import WORLD, to_array, to_time
 from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_ros.node.sole_sender import sender_name
@@ -22,8 +24,9 @@ from lexstack_sim.coordinates import following
 from lexstack_sim.plant_state import Status
 from lexstack_sim.urdf import robot_urdf
 
-_CLOCK_RATE = 100.0  # Hz of simulated time, at most
-_TOOLS_RATE = 50.0  # Hz of simulated time
+_CLOCK_RATE = 100.0  # Hz of wall time, at most
+_TOOLS_RATE = 50.0  # Hz of wall time
+_VECTORS = ("q", "v", "q_star", "command")
 
 
 class PlantTopics:
@@ -37,13 +40,16 @@ class PlantTopics:
         """
         self._state = PlantState(robots=list(team.names), sender=sender_name(node))
         self._state.header.frame_id = WORLD
+        self._buffer: Buffer | None = None
+        self._resets = 0
         self._state_out = node.create_publisher(PlantState, "plant/state", STREAM)
         if not tools:
             return
         self._clock = Clock()
         self._clock_out = node.create_publisher(Clock, "clock", STREAM)
-        self._clock_every = max(1, round(rate / _CLOCK_RATE))
-        self._tools_every = max(1, round(rate / _TOOLS_RATE))
+        self._clock_due, self._tools_due = (
+            Sparse(each, 1.0 / rate) for each in (_CLOCK_RATE, _TOOLS_RATE)
+        )
         self._robots = [
             (_RobotTopics(node, robot), at, part)
             for robot, at, part in zip(team.robots, team.q_slices, team.slices, strict=True)
@@ -54,26 +60,33 @@ class PlantTopics:
         self, state: RobotState, status: Status, late_ticks: int, missing: int, commander: str
     ) -> None:
         """Publish a state: this is what every other process waits for."""
-        message = self._state
-        message.commander = commander
-        message.header.stamp = to_time(state.stamp)
-        message.tick = state.tick
-        message.q, message.v = to_array(state.q), to_array(state.v)
-        message.q_star, message.command = to_array(state.q_star), to_array(state.command)
-        message.status = int(status)
-        message.late_ticks, message.missing_ticks = late_ticks, missing
-        self._state_out.publish(message)
+        if self._buffer is None or commander != self._state.commander:
+            self._state.commander = commander
+            for name in _VECTORS:
+                setattr(self._state, name, to_array(getattr(state, name)))
+            self._buffer = Buffer(self._state)
+        put, stamp = self._buffer.put, to_time(state.stamp)
+        put("header.stamp.sec", stamp.sec)
+        put("header.stamp.nanosec", stamp.nanosec)
+        put("tick", state.tick)
+        put("resets", self._resets)
+        for name in _VECTORS:
+            self._buffer.put_all(name, getattr(state, name))
+        put("status", int(status))
+        put("late_ticks", late_ticks)
+        put("missing_ticks", missing)
+        self._state_out.publish(self._buffer.data)
 
     def count_reset(self) -> None:
         """Say in every state from now on that the plant was reset once more."""
-        self._state.resets += 1
+        self._resets += 1
 
     def publish_for_tools(self, state: RobotState, effort: Vector) -> None:
         """Publish the rest, at its own rates: after the state, while others compute."""
-        if state.tick % self._clock_every == 0:
+        if self._clock_due():
             self._clock.clock = to_time(state.stamp)
             self._clock_out.publish(self._clock)
-        if state.tick % self._tools_every == 0:
+        if self._tools_due():
             for topics, at, part in self._robots:
                 topics.publish(state.stamp, state.q[at], state.v[part], effort[at])
             self._frames.publish(state.stamp, state.q)

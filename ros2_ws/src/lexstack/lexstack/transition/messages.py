@@ -119,6 +119,11 @@ class SourceSchedule:
         self._active: dict[int, Announcement] = {}
         self._ends: dict[int, int] = {}  # the tick from which on each is no longer wanted
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether any stack is to be solved, now or later."""
+        return bool(self._active)
+
     def hear(self, announcement: Announcement) -> None:
         """Take an announcement; a later one with the same id replaces it."""
         if announcement.active:

@@ -195,7 +195,9 @@ class _Collector:
         self._counts: dict[str, int] = defaultdict(int)
         self.losses: dict[str, LossCounter] = defaultdict(LossCounter)
         self._plant = StreamBuilder(PlantStream, team.n, "first", team.nq)
+        # Of every tick in the controller's chi; in older bags in the topic.
         self._transition = StreamBuilder(TransitionStream, team.n, "all")
+        self._told = StreamBuilder(TransitionStream, team.n, "all")
         self._chi = {topic: ChiBuilder(team) for topic in (COMMAND, SOLUTION)}
         scenario = resolved.scenario
         self._plan_topics = PlanTopicsCollector(scenario.robots, scenario.rate, plans=plans)
@@ -220,8 +222,10 @@ class _Collector:
             if topic == COMMAND:
                 self._commanded[0].append(message.publish_time)
                 self._commanded[1].append(chi.tick)
+                for status in getattr(chi, "transitions", ()):  # older bags have none
+                    self._transition.add(status)
         elif topic == TRANSITION:
-            self._transition.add(self._decode(message))
+            self._told.add(self._decode(message))
         elif topic == DECISIONS:
             self._add_setting(message)
         elif topic == REQUEST:
@@ -251,7 +255,7 @@ class _Collector:
             with_sent(self._resolved, requested),
             plant,
             {node: last for node, (last, _) in chi.items()},
-            self._transition.build(),
+            self._transitions(),
             tuple(self._targets),
             dict(sorted(self._counts.items())),
             _lost(container, self.losses),
@@ -261,6 +265,11 @@ class _Collector:
             self._plan_topics.build(),
             tuple(self._settings),
         )
+
+    def _transitions(self) -> TransitionStream:
+        """Return where the transitions stood at every tick."""
+        stream, told = self._transition.build(), self._told.build()
+        return stream if len(stream.tick) else told
 
     def _begin_anew(self) -> None:
         """Forget what a reset of the plant makes void: requests, and references set by users."""

@@ -19,7 +19,9 @@ from lexstack_ros.controller.switch_services import Requests
 from lexstack_ros.controller.target_topics import TargetTopics
 from lexstack_ros.intake.drain import waiting
 from lexstack_ros.intake.plant_states import PlantStates
-from lexstack_ros.messages.conversions import WORLD, chi_of_command, to_sample, transition_status
+from lexstack_ros.messages.cdr import Reader
+from lexstack_ros.messages.command_bytes import CommandBytes, TransitionNews
+from lexstack_ros.messages.conversions import to_sample
 from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.plans import PLAN, to_plan
 from lexstack_ros.messages.qos import STREAM
@@ -31,6 +33,8 @@ from lexstack_ros.node.peer_watch import PeerWatch
 from lexstack_ros.node.sole_sender import AlreadyCommandedError, sender_name
 from lexstack_ros.node.spin import run_node
 
+_SOURCE = "/robot_b/chi"
+_OF_SOURCE = ("tick", "robots", "stack", "transition_id", "references", "chi", "slacks", "status")
 _LATE_START = 1.0  # s of simulated time: whoever comes later has been there before, or should have
 _LOOK = 0.02  # s of wall time between two looks whether the wait for the solver is over
 
@@ -57,10 +61,9 @@ class HqpControllerNode(Node):
         self._meter = Meter()
         self._late = 0  # ticks that waited in vain for the solver
         self.failure: AlreadyCommandedError | None = None  # ends the process
-        self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
-        self._chi.header.frame_id = WORLD
-        self._status = TransitionStatus()
-        self._status.header.frame_id = WORLD
+        self._sender = sender_name(self)
+        self._chi_of = CommandBytes(self._parts.team.names, self._sender)
+        self._news = TransitionNews()
         self._chi_out = self.create_publisher(Chi, "robot_a/chi", STREAM)
         self._status_out = self.create_publisher(TransitionStatus, "robot_a/transition", STREAM)
         self._targets = TargetTopics(
@@ -72,11 +75,14 @@ class HqpControllerNode(Node):
         )
         self._joint_goals = FollowJointTrajectory(self, self._parts.team, self._targets)
         self._decisions = Decisions(
-            self, self._parts.team, self._controller.references, self._chi.sender
+            self, self._parts.team, self._controller.references, self._sender
         )
         load_ahead(self._resolved.scenario.mode)
         self._late_start = round(_LATE_START * self._resolved.scenario.rate)
-        self._source = self.create_subscription(Chi, "robot_b/chi", self._on_source, STREAM)
+        self._read = Reader(Chi, _SOURCE, _OF_SOURCE)
+        self._source = self.create_subscription(
+            Chi, relative(_SOURCE), self._on_source, STREAM, raw=True
+        )
         self.create_subscription(JointTrajectory, relative(PLAN), self._on_plan, STREAM)
         self._scenario_out = tell_scenario(self, self._resolved)
         self._requests = Requests(
@@ -123,15 +129,16 @@ class HqpControllerNode(Node):
 
     def _on_commander(self, name: str, follows: bool) -> bool:
         """Return whether the plant takes this process's commands; end if it has another's."""
-        if name != self._chi.sender and follows:
+        if name != self._sender and follows:
             self.failure = AlreadyCommandedError(f"the robots are commanded already, by {name}")
-        return name == self._chi.sender
+        return name == self._sender
 
-    def _on_source(self, message: Chi) -> None:
+    def _on_source(self, data: bytes) -> None:
         """Take the solver's chi, and what waits behind it, one by one: the first may be due."""
-        for chi in (message, *(other for other, _ in waiting(self._source))):
+        for chi in (data, *(other for other, _ in waiting(self._source))):
             try:
-                self._controller.transition.hear(to_sample(chi, self._parts.team, "/robot_b/chi"))
+                sample = to_sample(self._read(chi), self._parts.team, _SOURCE)
+                self._controller.transition.hear(sample)
             except InputError as error:
                 self._states.refuse(error)
                 continue
@@ -168,11 +175,11 @@ class HqpControllerNode(Node):
         command = self._controller.tick(state)
         self._controller.references.decide(state.stamp + self._parts.dt)
         self._decisions.tell()
-        # Before the command, which lets the plant go on: the source shall know at the next state.
+        # Before the command, which lets the plant go on: others shall know at the next state.
         self._requests.announce(state.stamp)
-        self._chi_out.publish(chi_of_command(command, self._chi))
-        for transition in command.transitions:
-            self._status_out.publish(transition_status(command, transition, self._status))
+        for status in self._news.of(command):
+            self._status_out.publish(status)
+        self._chi_out.publish(self._chi_of(command))
         self._absence.see(command.transitions)
         self._served = state.tick
         self._meter.add(command.solve_time)

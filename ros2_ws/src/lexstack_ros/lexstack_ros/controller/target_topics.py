@@ -87,7 +87,7 @@ class TargetTopics:
         self._early: list[Callable[[], None]] = []
         self._known: set[str] = set()
         self.on_posture: Callable[[int], None] = lambda _robot: None
-        listen(node, self._frames.transforms)
+        listen(node, self._frames)
         for robot, name in enumerate(team.names):
             for kind, entry in (OF_FRAMES | OF_ROBOTS).items():
                 self._subscribe(f"/{name}/{kind}", entry, robot, TOOL)

@@ -15,12 +15,12 @@ _MOST = 1000  # messages that are taken at once
 
 
 def waiting(subscription: Subscription) -> list[tuple[Any, dict[str, int]]]:
-    """Return the messages that wait, each with its info, in their order."""
+    """Return the messages that wait, each with its info, in their order; raw ones as bytes."""
     found, handle = [], subscription.handle
     with handle:
         for _ in range(_MOST):
             try:
-                item = handle.take_message(subscription.msg_type, False)
+                item = handle.take_message(subscription.msg_type, subscription.raw)
             except RuntimeError:
                 continue  # bytes that are no message
             if item is None:

@@ -22,7 +22,7 @@ from lexstack.references import TOOL, Target
 from lexstack.robots import Pose, Team, from_quaternion
 from lexstack.transition import Announcement, SourceSample, TransitionState
 from lexstack.types import RobotState, Vector
-from lexstack_interfaces.msg import Chi, PlantState, StackRequest, TransitionStatus
+from lexstack_interfaces.msg import Chi, StackRequest, TransitionStatus
 
 if TYPE_CHECKING:  # a bridge and a recorder need messages, and no controller
     from lexstack.control import Command
@@ -76,14 +76,21 @@ def to_vector(values: Any, n: int, field: str) -> Vector:
     vector = np.array(values, dtype=np.float64)
     if vector.shape != (n,):
         raise InputError(f"{field}: expected {n} values, got {vector.size}")
+    # One sum says of nearly all vectors that no value is too large, infinite or none at all.
+    if not vector.dot(vector) <= _HUGE * _HUGE:
+        _check_values(vector, field)
+    vector.setflags(write=False)
+    return vector
+
+
+def _check_values(vector: Vector, field: str) -> None:
+    """Raise InputError for a vector with a value that is not finite, or beyond all robots."""
     if not np.isfinite(vector).all():
         where = int(np.flatnonzero(~np.isfinite(vector))[0])
         raise InputError(f"{field}[{where}]: must be finite, got {vector[where]}")
     largest = float(np.abs(vector).max(initial=0.0))
     if largest > _HUGE:
         raise InputError(f"{field}: out of range: {largest:g}, at most {_HUGE:g}")
-    vector.setflags(write=False)
-    return vector
 
 
 def check_robots(robots: list[str], team: Team, where: str) -> None:
@@ -97,8 +104,8 @@ def check_robots(robots: list[str], team: Team, where: str) -> None:
 # ---- state, chi, transition
 
 
-def to_state(message: PlantState, team: Team) -> RobotState:
-    """Return the plant's state; raises InputError."""
+def to_state(message: Any, team: Team) -> RobotState:
+    """Return the plant's state of a PlantState, generated or read; raises InputError."""
     where = "/plant/state"
     check_robots(message.robots, team, where)
     return RobotState(
@@ -111,8 +118,8 @@ def to_state(message: PlantState, team: Team) -> RobotState:
     )
 
 
-def to_sample(message: Chi, team: Team, where: str) -> SourceSample:
-    """Return a source's chi, of all robots or of some; raises InputError. ``where``: its topic."""
+def to_sample(message: Any, team: Team, where: str) -> SourceSample:
+    """Return a source's Chi, of all robots or of some; raises InputError. ``where``: its topic."""
     robots = _some_robots(message.robots, team, where)
     slacks = to_vector(message.slacks, len(message.slacks), f"{where}: slacks")
     chi = to_vector(message.chi, team.columns(robots).size, f"{where}: chi")
@@ -147,7 +154,7 @@ def _among_all(chi: Vector, robots: Sequence[int], team: Team) -> Vector:
 
 
 def chi_of_command(command: Command, message: Chi) -> Chi:
-    """Return the controller's command, written into ``message``, which is used again every tick."""
+    """Return the controller's command, written into ``message``."""
     message.header.stamp = to_time(command.stamp)
     message.tick = command.tick
     message.stack = command.stack
@@ -161,14 +168,13 @@ def chi_of_command(command: Command, message: Chi) -> Chi:
     message.empty_bounds = command.bounds.empty
     message.solve_time = command.solve_time
     message.reason = command.fallback or command.near_singularity
+    message.transitions = [transition_status(command, state) for state in command.transitions]
     return message
 
 
-def transition_status(
-    command: Command, state: TransitionState, message: TransitionStatus
-) -> TransitionStatus:
-    """Return where one of a command's transitions stands, written into ``message``."""
-    message.header.stamp = to_time(command.stamp)
+def transition_status(command: Command, state: TransitionState) -> TransitionStatus:
+    """Return where one of a command's transitions stands."""
+    message = stamped(TransitionStatus(), command.stamp)
     message.tick = command.tick
     for name in ("id", "from_stack", "to_stack", "method", "alpha", "duration", "gap", "reason"):
         setattr(message, name, getattr(state, name))

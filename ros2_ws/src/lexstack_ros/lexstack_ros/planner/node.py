@@ -57,7 +57,6 @@ class HtmpcNode(Node):
         self.niceness = beside(scenario.mode)
         self._jobs: dict[int, Job] = {}  # by robot
         self._by_goal: dict[bytes, Job] = {}
-        self._state: RobotState | None = None
         self._waits: RobotState | None = None  # a state that a plan is due for
         self._later: list[Wish] = []
         self._meter = Meter()
@@ -84,8 +83,18 @@ class HtmpcNode(Node):
         SequenceChanges(self, self._team, self._change)
         Diagnostics(self, self._health)
         self._states = PlantStates(
-            self, self._team, self._on_state, self._restart, newest=self._every
+            self,
+            self._team,
+            self._on_state,
+            self._restart,
+            newest=self._every,
+            wanted=lambda tick: tick % self._every == 0,
         )
+
+    @property
+    def _state(self) -> RobotState | None:
+        """The newest state of the plant."""
+        return self._states.newest_state
 
     # ---- goals
 
@@ -178,10 +187,8 @@ class HtmpcNode(Node):
     # ---- the tick
 
     def _on_state(self, state: RobotState) -> None:
-        """Plan from a new state, when a plan is due."""
-        self._state = state
-        if state.tick % self._every == 0:
-            self._waits = state
+        """Plan from a new state for which a plan is due."""
+        self._waits = state
         self._serve()
 
     def _serve(self) -> None:
@@ -259,7 +266,7 @@ class HtmpcNode(Node):
         for job in list(self._jobs.values()):
             job.end("the plant was reset")
             self._drop(job)
-        self._state = self._waits = None
+        self._waits = None
 
     def close(self) -> None:
         """Tell the clients before the node ends."""

@@ -49,7 +49,6 @@ class StackSolverNode(Node):
         self._texts: dict[str, str] = {}  # of those that users sent
         self._know_the_configured()
         self._schedule = SourceSchedule()
-        self._state: RobotState | None = None
         self._served: tuple[int, set[int]] = (-1, set())  # the last tick, and its transitions' ids
         self._failures = 0
         self._failed = ""  # why a stack was not solved since the last report
@@ -67,13 +66,14 @@ class StackSolverNode(Node):
         Diagnostics(self, self._health)
         newest = int(self._resolved.scenario.mode == "realtime")
         self._states = PlantStates(
-            self, team, self._on_state, self._restart, self._on_commander, newest=newest
+            self,
+            team,
+            self._serve,
+            self._restart,
+            self._on_commander,
+            newest=newest,
+            wanted=lambda _tick: self._schedule.is_busy,
         )
-
-    def _on_state(self, state: RobotState) -> None:
-        """Solve for a new state, if a stack is asked for."""
-        self._state = state
-        self._serve()
 
     def _on_commander(self, name: str, _follows: bool) -> bool:
         """Believe the references of whom the plant takes commands from; serve in any case."""
@@ -84,10 +84,10 @@ class StackSolverNode(Node):
         """Keep the controller's decision for it; solve again what changes of the present tick."""
         if self._kept is not None:
             self._kept.publish(message)
-        state = self._state
+        state = self._states.newest_state if self._schedule.is_busy else None
         if state is not None and to_seconds(message.header.stamp) <= state.stamp:
             self._served = (state.tick, set())
-            self._serve()
+            self._serve(state)
 
     def _on_request(self, message: StackRequest) -> None:
         """Take the controller's wish, and serve it for the present state if that is due."""
@@ -100,7 +100,7 @@ class StackSolverNode(Node):
         if self._stacks[wanted.stack].planned or self._mine[wanted.stack] is None:
             return  # the HTMPC's, or another solver's
         self._schedule.hear(wanted)
-        self._serve()
+        self._serve(self._states.newest_state)
 
     def _learn(self, name: str, text: str) -> None:
         """Know a stack that a user sent to the controller; raises InputError."""
@@ -127,12 +127,11 @@ class StackSolverNode(Node):
         for stack in self._parts.stacks.values():
             self._know(stack)
 
-    def _serve(self) -> None:
+    def _serve(self, state: RobotState | None) -> None:
         """Send the optimum of each stack that is asked for, once per state and request.
 
         Not before the references are known: towards others the robots would move.
         """
-        state = self._state
         if state is None or not self._references.timeline.covers(state.stamp):
             return
         if self._served[0] != state.tick:
@@ -184,7 +183,6 @@ class StackSolverNode(Node):
         self._solver = build_stack_solver(self._resolved, self._parts)
         self._know_the_configured()
         self._schedule = SourceSchedule()
-        self._state = None
         self._served = (-1, set())
 
     def _health(self) -> Health:

@@ -22,15 +22,9 @@ from visualization_msgs.msg import MarkerArray
 from lexstack.errors import InputError
 from lexstack.references import References, measured
 from lexstack.types import Matrix
-from lexstack_bag.topics import PLAN, PLANT_STATE, PROGRESS, REQUEST, TRANSITION
+from lexstack_bag.topics import PLAN, PLANT_STATE, PROGRESS, REQUEST
 from lexstack_config.parts import build_team, home_of
-from lexstack_interfaces.msg import (
-    Chi,
-    PlantState,
-    SequenceStatus,
-    StackRequest,
-    TransitionStatus,
-)
+from lexstack_interfaces.msg import Chi, PlantState, SequenceStatus, StackRequest
 from lexstack_ros.controller.references import HeardReferences
 from lexstack_ros.messages.conversions import to_seconds
 from lexstack_ros.messages.names import FOXGLOVE, PAGE, URL, relative
@@ -77,7 +71,6 @@ class ViewNode(Node):
         self._listen(PlantState, PLANT_STATE, 1)
         for name in (COMMANDER, SOURCE):
             self._listen(Chi, f"/{name}/chi", 1)
-        self._listen(TransitionStatus, TRANSITION, self._most)
         self._listen(JointTrajectory, PLAN, self._most)
         self._listen(SequenceStatus, PROGRESS, self._most)
         self.create_subscription(StackRequest, relative(REQUEST), self._on_request, LATCHED)
@@ -141,7 +134,7 @@ class ViewNode(Node):
         }
         now = to_seconds(state.header.stamp)
         try:
-            statuses = self._transitions()
+            statuses = chi[COMMANDER].transitions if COMMANDER in chi else ()
             frames = self._stacks.frames(statuses)
             heard = Heard(state, statuses, chi, self._horizons(now), self._work(state.tick), frames)
             picture = picture_of(self._team, heard, *self._in_effect(now))
@@ -159,16 +152,6 @@ class ViewNode(Node):
         if timeline.newest is None:
             return self._home, self._home
         return timeline.at(now), timeline.newest.references(timeline.newest.at + _LATER)
-
-    def _transitions(self) -> list[TransitionStatus]:
-        """Return the statuses of the last tick that is whole: those of one tick come one by one."""
-        heard = self._last(TransitionStatus, TRANSITION)
-        if not heard:
-            return []
-        last = heard[-1].tick
-        before = [status.tick for status in heard if status.tick != last]
-        whole = before[-1] if before else last
-        return [status for status in heard if status.tick == whole]
 
     def _horizons(self, now: float) -> dict[int, Matrix]:
         """Return the newest plan of each robot; none of before, and none of another team."""
