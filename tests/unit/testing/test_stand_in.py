@@ -12,6 +12,7 @@ from lexstack.limits import JointLimits
 from lexstack_config.plant_file import load_plant
 from lexstack_plant.hardware.base_intake import BaseSample
 from lexstack_plant.hardware.joint_intake import JointSample
+from lexstack_plant.hardware.spline import Point
 from lexstack_testing.stand_in.consumers import (
     BaseConsumer,
     PositionConsumer,
@@ -91,9 +92,31 @@ def test_odometry_is_wrong_by_a_share_of_the_way():
         now = 10.0 + 0.01 * k
         robots.command_base("robot_a", np.array([0.2, 0.0, 0.0]), now)
         robots.advance(now + 0.01)
-    way = robots.plant.state().q[0]
+    way = robots.plant.q[0]
     assert way > 0.3
     assert robots.robots["robot_a"].odometry[0] == pytest.approx(1.1 * way, rel=1e-2)
+
+
+def test_robots_go_the_same_way_however_time_passes():
+    random, ends = np.random.default_rng(1), []
+    cuts = np.sort(random.uniform(10.0, 10.3, 200))
+    for looks in (cuts, cuts[::10]):
+        robots = stand_in()
+        arm = robots.robots["robot_a"].drive.q.copy()
+        step = np.zeros_like(arm)
+        step[1] = 1.0
+        goal = [Point(10.25, arm + 0.05 * step, 0.0 * step, 0.0 * step)]
+        robots.command_arm("robot_a", goal, 10.0)
+        robots.command_base("robot_a", np.array([0.3, 0.1, 0.5]), 10.0502)
+        robots.command_base("robot_a", np.array([0.1, 0.2, 0.9]), 10.1307)
+        for now in looks:
+            robots.advance(now)
+        robots.advance(10.3)
+        ends.append(robots.plant.q.copy())
+    np.testing.assert_allclose(ends[1], ends[0], atol=2e-6)
+    home = stand_in().plant.q
+    assert ends[0][4] - home[4] == pytest.approx(0.05, abs=0.01)
+    assert ends[0][2] > 0.05
 
 
 # ---- drives
@@ -109,7 +132,9 @@ def test_a_drive_follows_what_keeps_its_limits():
         a = min(a + 7.5, 15.0)
         v += 1e-3 * a
         q += 1e-3 * v
-        assert motor.follow(np.array([q])) == q
+        led, good = motor.follow(np.array([[q]]))
+        assert led == q
+        assert good == 1
     assert not motor.stopped
     assert motor.peaks[1] == pytest.approx(1.0, rel=2e-3)
 
@@ -120,16 +145,29 @@ def test_a_drive_follows_what_keeps_its_limits():
 )
 def test_a_step_stops_a_drive_for_good(path, what):
     motor = drive()
-    for q in path:
-        motor.follow(np.array([q]))
+    _, good = motor.follow(np.array(path)[:, None])
+    assert good == 1
     assert what in motor.stopped
-    where = motor.follow(np.array([0.5]))
-    for _ in range(1000):
-        where = motor.follow(np.array([0.5]))
-    assert abs(where[0]) < 0.2
-    assert motor.follow(np.array([1.0])) == where
-    motor.release(where)
+    led, good = motor.follow(np.full((1000, 1), 0.5))
+    assert good == 0
+    assert abs(led[-1, 0]) < 0.2
+    assert motor.follow(np.ones((1, 1)))[0] == led[-1]
+    motor.release(led[-1])
     assert not motor.stopped
+
+
+def test_a_drive_does_the_same_however_many_periods_it_is_given_at_once():
+    random = np.random.default_rng(3)
+    for scale in (1e-6, 1e-4):  # within the limits, and far beyond them
+        asked = np.cumsum(np.cumsum(scale * random.standard_normal((40, 1)), axis=0), axis=0)
+        whole, single = drive(), drive()
+        led, good = whole.follow(asked)
+        steps = [single.follow(row[None]) for row in asked]
+        np.testing.assert_allclose(led, np.concatenate([each for each, _ in steps]), atol=1e-12)
+        assert good == sum(each for _, each in steps)
+        assert whole.stopped == single.stopped
+        np.testing.assert_allclose(whole.peaks, single.peaks)
+    assert whole.stopped
 
 
 # ---- controllers
@@ -138,7 +176,10 @@ def test_a_step_stops_a_drive_for_good(path, what):
 def test_platforms_follow_within_their_limits_and_time_out():
     base = BaseConsumer(np.array([1.0, 1.0, 2.0]))
     base.take(np.array([0.5, 0.0, 0.0]), 0.0)
-    speeds = [base.step(1e-3 * k, 1e-3)[0] for k in range(1000)]
+    times = 1e-3 * np.arange(1, 1001)
+    speeds = np.concatenate([base.path(part, 1e-3) for part in np.split(times, [3, 100, 700])])[
+        :, 0
+    ]
     assert max(np.abs(np.diff(speeds))) <= 1e-3 * (1 + 1e-9)
     assert max(speeds) == pytest.approx(0.25, abs=0.01)
     assert speeds[-1] == 0.0
@@ -147,19 +188,34 @@ def test_platforms_follow_within_their_limits_and_time_out():
 def test_arrays_are_reached_in_a_period():
     position = PositionConsumer(np.zeros(1), 0.01)
     position.take(np.ones(1), 1.0)
-    assert position.at(1.005)[0] == pytest.approx(0.5)
-    assert position.at(1.5)[0] == 1.0
+    np.testing.assert_allclose(position.path(np.array([1.005, 1.5]))[:, 0], [0.5, 1.0])
     velocity = VelocityConsumer(np.zeros(1), 0.01)
     velocity.take(np.ones(1), 0.0)
-    for k in range(1, 101):
-        where = velocity.at(1e-3 * k)
-    assert where[0] == pytest.approx(0.095, abs=1e-3)
+    times = 1e-3 * np.arange(1, 101)
+    where = [velocity.path(part) for part in np.split(times, [7, 50])][-1]
+    assert where[-1, 0] == pytest.approx(0.095, abs=1e-3)
 
 
 def test_a_trajectory_of_the_past_changes_nothing():
     consumer = TrajectoryConsumer(np.zeros(1))
     consumer.take([], 1.0)
-    assert consumer.at(2.0)[0] == 0.0
+    assert consumer.path(np.array([2.0]))[0] == 0.0
+
+
+def test_a_trajectory_is_the_same_however_many_times_are_asked_for_at_once():
+    points = [
+        Point(1.0 + 0.004 * k, np.array([0.01 * k * k]), np.array([0.2 * k]), np.array([5.0 - k]))
+        for k in range(1, 5)
+    ]
+    times = 1.0 + 1e-3 * np.arange(1, 25)
+    found = []
+    for cuts in ([], [1, 4, 5, 20], range(1, 24)):
+        consumer = TrajectoryConsumer(np.zeros(1))
+        consumer.take(points, 1.0)
+        found.append(np.concatenate([consumer.path(part) for part in np.split(times, cuts)]))
+    np.testing.assert_allclose(found[1], found[0], atol=1e-12)
+    np.testing.assert_allclose(found[2], found[0], atol=1e-12)
+    np.testing.assert_allclose(found[0][[3, 7, 15, 23], 0], [0.01, 0.04, 0.16, 0.16])
 
 
 def test_an_emergency_stop_stops_the_drives():

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from time import time
+from time import time, time_ns
 from typing import Any
 
 import numpy as np
@@ -33,15 +33,17 @@ from lexstack_plant.hardware.spline import Point
 from lexstack_ros.intake.delays import with_info
 from lexstack_ros.intake.drain import waiting
 from lexstack_ros.messages.conversions import to_time
-from lexstack_ros.node.diagnostics import Diagnostics, Health
+from lexstack_ros.node.diagnostics import Diagnostics, Health, all_of
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter, text_parameter
 from lexstack_ros.node.readiness import READY
 from lexstack_ros.node.spin import run_node
 from lexstack_testing.stand_in.habits import parse_habits
+from lexstack_testing.stand_in.lateness import LATE, Lateness
 from lexstack_testing.stand_in.robots import Sent, StandIn
 
 _LOOK = 0.004  # s between two looks at the clock: every state that is due goes out then
+_SILENT = 1.0  # s between two warnings that the robots are behind the clock
 _SLICE = 0.002  # s from one /clock to the next
 _STATES = QoSProfile(depth=10)
 _COMMANDS = QoSProfile(depth=100)  # more than come while this process has no time
@@ -62,8 +64,12 @@ class StandInNode(Node):
         check_plant(self._file, resolved, str(path))
         chosen, simulated = parse_habits(habits), self._file.use_sim_time
         self._clock_out = self.create_publisher(Clock, "clock", _STATES) if simulated else None
-        now = 1.0 if simulated else time()
+        # Seconds since now, not since 1970: there a double has steps of 0.2 us, and the drives
+        # would feel them.
+        self._epoch = 0 if simulated else int(time())
+        now = 1.0 if simulated else self._now()
         self.robots = StandIn(resolved, self._file, chosen, now, resolved.scenario.seed)
+        self.lateness, self._warned = Lateness(), -np.inf
         self._told: dict[str, str] = {}
         self._commands: list[tuple[Subscription, Take]] = []
         self._joints_out: dict[str, Publisher] = {}
@@ -105,13 +111,19 @@ class StandInNode(Node):
 
     def _sent(self, info: dict[str, int]) -> float:
         """Return when a message was sent, by the robots' clock [s]."""
-        return self.robots.time if self._clock_out else 1e-9 * info["source_timestamp"]
+        if self._clock_out is not None:
+            return self.robots.time
+        return 1e-9 * (info["source_timestamp"] - 1_000_000_000 * self._epoch)
+
+    def _now(self) -> float:
+        """Return the time of the wall [s since the epoch]."""
+        return 1e-9 * (time_ns() - 1_000_000_000 * self._epoch)
 
     def _on_trajectory(self, name: str, message: JointTrajectory, now: float) -> None:
         """Take a trajectory; one without a stamp begins when it was sent."""
-        start = seconds_of(message.header.stamp) or now
-        joints = list(self.robots.robots[name].model.joints[self.robots.robots[name].model.arm])
-        order = [list(message.joint_names).index(joint) for joint in joints]
+        stamp = message.header.stamp
+        start = stamp.sec - self._epoch + 1e-9 * stamp.nanosec if stamp.sec else now
+        order = [message.joint_names.index(joint) for joint in self.robots.robots[name].names]
         points = [
             Point(
                 start + seconds_of(point.time_from_start),
@@ -146,15 +158,32 @@ class StandInNode(Node):
     def _on_timer(self) -> None:
         """Move the robots up to now, and send what they measure."""
         # What was sent before now counts before now, though the executor has not handed it over.
-        now = time()
+        now = self._now()
         for subscription, take in self._commands:
             for message, info in waiting(subscription):
                 take(message, self._sent(info))
         if self._clock_out is not None:
             now = self.robots.time + _SLICE
             self._clock_out.publish(Clock(clock=to_time(now)))
+        else:
+            self._count(now)
         for sent in self.robots.advance(now):
             self._publish(sent)
+        self._tell()
+
+    def _count(self, now: float) -> None:
+        """Count how far the robots are behind the clock; they go the way that they were sent.
+
+        Whoever commands them sees old states, as of a driver that stood still.
+        """
+        behind = now - self.robots.time
+        self.lateness.add(behind)
+        if behind > LATE and now > self._warned + _SILENT:
+            self._warned = now
+            self.get_logger().warning(f"{1e3 * behind:.0f} ms behind the clock")
+
+    def _tell(self) -> None:
+        """Say once which drives have stopped."""
         stopped = self.robots.stopped()
         for name, reason in stopped.items():
             if self._told.get(name) != reason:
@@ -165,6 +194,7 @@ class StandInNode(Node):
         """Send one message."""
         sample = sent.sample
         stamp = to_time(sample.stamp)
+        stamp.sec += self._epoch
         config = self._file.robots[sent.robot]
         if isinstance(sample, JointSample):
             message = JointState(
@@ -177,11 +207,22 @@ class StandInNode(Node):
         elif sent.robot in self._odometry_out:
             self._odometry_out[sent.robot].publish(_odometry(sample, stamp))
 
+    def close(self) -> None:
+        """Say how late all was."""
+        if self._clock_out is None:
+            self.get_logger().info(str(self.lateness))
+
     def _health(self) -> Health:
         """Return how the robots are."""
         told = "; ".join(f"{name}: {reason}" for name, reason in self._told.items())
-        behind = 0.0 if self._clock_out else time() - self.robots.time
-        return Health(told, {"behind the clock [ms]": f"{1e3 * behind:.1f}"})
+        if self._clock_out is not None:
+            return Health(told)
+        late, newest = self.lateness.report()
+        counted = {
+            "behind the clock, at most [ms]": f"{1e3 * newest:.1f}",
+            "late looks": f"{self.lateness.late} of {self.lateness.looks}",
+        }
+        return Health(all_of(told, late), counted)
 
 
 def _odometry(sample: BaseSample, stamp: Any) -> Odometry:
