@@ -65,3 +65,16 @@ def test_realtime_starts_anew_when_far_behind():
     assert pacer.deadline == pytest.approx(3.0 + PERIOD)
     pacer.begin(3.0 + PERIOD)
     assert pacer.late_ticks == 1
+
+
+def test_realtime_starts_anew_on_its_grid():
+    """A trajectory between two ticks would be shifted by the part of a period, and jerk."""
+    pacer = Pacer("realtime", PERIOD, PATIENCE)
+    pacer.start(0.0)
+    pacer.begin(0.0)
+    dues = []
+    for now in (4.54 * PERIOD, 9.9 * PERIOD, 15.2 * PERIOD):
+        pacer.begin(now)
+        dues.append(pacer.due)
+    assert pacer.restarts == 3
+    assert dues == pytest.approx([5 * PERIOD, 10 * PERIOD, 16 * PERIOD])

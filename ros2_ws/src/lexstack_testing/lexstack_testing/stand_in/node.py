@@ -176,6 +176,8 @@ class StandInNode(Node):
 
         Whoever commands them sees old states, as of a driver that stood still.
         """
+        if not self.lateness.looks:
+            self.robots.begin(now)  # what a node does before it is spun is no lateness
         behind = now - self.robots.time
         self.lateness.add(behind)
         if behind > LATE and now > self._warned + _SILENT:

@@ -76,6 +76,12 @@ class StandIn:
         self._going: Lines[tuple[str, JointSample | BaseSample]] = Lines(habits, self._random)
         self._begin, self._steps, self._told = now, 0, 0
 
+    def begin(self, now: float) -> None:
+        """Let the robots' time be ``now`` [s]; raises RuntimeError once they have moved."""
+        if self._steps:
+            raise RuntimeError("the robots have moved already")
+        self._begin = now
+
     @property
     def time(self) -> float:
         """Up to when the robots were moved [s]."""
