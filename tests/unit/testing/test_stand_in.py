@@ -111,7 +111,7 @@ def test_robots_go_the_same_way_however_time_passes():
         robots.command_base("robot_a", np.array([0.1, 0.2, 0.9]), 10.1307)
         for now in looks:
             robots.advance(now)
-        robots.advance(10.3)
+        robots.advance(10.321)
         ends.append(robots.plant.q.copy())
     np.testing.assert_allclose(ends[1], ends[0], atol=2e-6)
     home = stand_in().plant.q

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from array import array
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -67,9 +68,11 @@ class StandInNode(Node):
         # Seconds since now, not since 1970: there a double has steps of 0.2 us, and the drives
         # would feel them.
         self._epoch = 0 if simulated else int(time())
-        now = 1.0 if simulated else self._now()
+        now = self._simulated = 1.0 if simulated else self._now()
         self.robots = StandIn(resolved, self._file, chosen, now, resolved.scenario.seed)
         self.lateness, self._warned = Lateness(), -np.inf
+        # Filled again and again: to make them takes as long as to send them.
+        self._joints, self._odometry = JointState(), Odometry(child_frame_id="base_link")
         self._told: dict[str, str] = {}
         self._commands: list[tuple[Subscription, Take]] = []
         self._joints_out: dict[str, Publisher] = {}
@@ -112,7 +115,7 @@ class StandInNode(Node):
     def _sent(self, info: dict[str, int]) -> float:
         """Return when a message was sent, by the robots' clock [s]."""
         if self._clock_out is not None:
-            return self.robots.time
+            return self._simulated
         return 1e-9 * (info["source_timestamp"] - 1_000_000_000 * self._epoch)
 
     def _now(self) -> float:
@@ -163,7 +166,7 @@ class StandInNode(Node):
             for message, info in waiting(subscription):
                 take(message, self._sent(info))
         if self._clock_out is not None:
-            now = self.robots.time + _SLICE
+            now = self._simulated = self._simulated + _SLICE
             self._clock_out.publish(Clock(clock=to_time(now)))
         else:
             self._count(now)
@@ -178,7 +181,7 @@ class StandInNode(Node):
         """
         if not self.lateness.looks:
             self.robots.begin(now)  # what a node does before it is spun is no lateness
-        behind = now - self.robots.time
+        behind = now - self.robots.next_states
         self.lateness.add(behind)
         if behind > LATE and now > self._warned + _SILENT:
             self._warned = now
@@ -197,17 +200,16 @@ class StandInNode(Node):
         sample = sent.sample
         stamp = to_time(sample.stamp)
         stamp.sec += self._epoch
-        config = self._file.robots[sent.robot]
         if isinstance(sample, JointSample):
-            message = JointState(
-                name=list(sample.names),
-                position=list(sample.positions),
-                velocity=list(sample.velocities),
-            )
+            message = self._joints
             message.header.stamp = stamp
-            self._joints_out[config.joint_states.topic].publish(message)
+            message.name, message.position = list(sample.names), array("d", sample.positions)
+            message.velocity = array("d", sample.velocities)
+            self._joints_out[self._file.robots[sent.robot].joint_states.topic].publish(message)
         elif sent.robot in self._odometry_out:
-            self._odometry_out[sent.robot].publish(_odometry(sample, stamp))
+            _fill(self._odometry, sample)
+            self._odometry.header.stamp = stamp
+            self._odometry_out[sent.robot].publish(self._odometry)
 
     def close(self) -> None:
         """Say how late all was."""
@@ -227,10 +229,9 @@ class StandInNode(Node):
         return Health(all_of(told, late), counted)
 
 
-def _odometry(sample: BaseSample, stamp: Any) -> Odometry:
-    """Return a message of odometry."""
-    message = Odometry(child_frame_id="base_link")
-    message.header.stamp, message.header.frame_id = stamp, sample.frame
+def _fill(message: Odometry, sample: BaseSample) -> None:
+    """Write a platform's pose and velocity into a message."""
+    message.header.frame_id = sample.frame
     pose, twist = message.pose.pose, message.twist.twist
     pose.position.x, pose.position.y = sample.x, sample.y
     turn = pose.orientation
@@ -238,7 +239,6 @@ def _odometry(sample: BaseSample, stamp: Any) -> Odometry:
     if sample.twist is None:
         raise InputError("odometry without a twist")
     twist.linear.x, twist.linear.y, twist.angular.z = map(float, sample.twist)
-    return message
 
 
 def main() -> int:

@@ -84,7 +84,7 @@ class StandIn:
 
     @property
     def time(self) -> float:
-        """Up to when the robots were moved [s]."""
+        """Up to when the robots were moved [s]: when they measured last."""
         return self._begin + self._steps * PERIOD
 
     @property
@@ -123,16 +123,19 @@ class StandIn:
         }
 
     def advance(self, now: float) -> list[Sent]:
-        """Move the robots up to ``now`` [s]; return the messages that arrive until then."""
+        """Let time pass until ``now`` [s]; return the messages that arrive until then.
+
+        The robots are moved up to when they measured last, many steps at once: what they do
+        afterwards nobody knows yet, and commands that come meanwhile are still in time.
+        """
         last = floor((now - self._begin) / PERIOD + _SAME)
-        while self._steps < last:
-            measures = self._measures
-            steps = min(last, measures, self._steps + _MOST) - self._steps
-            self._move(steps)
-            self._steps += steps
-            if self._steps == measures:
-                self._told += 1
-                self._measure()
+        while (measures := self._measures) <= last:
+            while self._steps < measures:
+                steps = min(measures - self._steps, _MOST)
+                self._move(steps)
+                self._steps += steps
+            self._told += 1
+            self._measure()
         return [Sent(*message, arrives) for arrives, message in self._going.arrived(now)]
 
     def _move(self, steps: int) -> None:
