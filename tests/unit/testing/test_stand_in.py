@@ -9,7 +9,14 @@ import pytest
 
 from lexstack.errors import ConfigurationError
 from lexstack.limits import JointLimits
-from lexstack_config.plant_file import load_plant
+from lexstack_config.plant_file import (
+    ArmInterfaceConfig,
+    BaseInterfaceConfig,
+    PlantFile,
+    RobotInterfaceConfig,
+    load_plant,
+)
+from lexstack_config.resolved import load_scenario
 from lexstack_plant.hardware.base_intake import BaseSample
 from lexstack_plant.hardware.joint_intake import JointSample
 from lexstack_plant.hardware.spline import Point
@@ -21,9 +28,10 @@ from lexstack_testing.stand_in.consumers import (
 )
 from lexstack_testing.stand_in.drive import Drive
 from lexstack_testing.stand_in.habits import ALL, Habits, parse_habits
+from lexstack_testing.stand_in.lateness import Lateness
 from lexstack_testing.stand_in.robots import StandIn
 from support.ideal_hardware import PLANT
-from support.scenario import resolved
+from support.scenario import CONFIG, resolved
 
 LIMITS = JointLimits(
     np.array([-3.0]), np.array([3.0]), np.array([2.0]), np.array([15.0]), np.array([7500.0])
@@ -224,3 +232,60 @@ def test_an_emergency_stop_stops_the_drives():
     assert robots.stopped() == {"robot_a": "emergency stop"}
     robots.release("robot_a")
     assert not robots.stopped()
+
+
+# ---- a machine that is too busy
+
+
+def test_what_comes_late_to_a_busy_machine_is_done_as_if_it_had_come_in_time():
+    """A process that stood still for 0.2 s finds commands in its queue, and when they were sent."""
+    ends = []
+    for late in (False, True):
+        robots = stand_in()
+        for k in range(30):
+            now = 10.0 + 0.01 * k
+            if not late or not 10 <= k < 25:
+                robots.advance(now)
+            robots.command_base("robot_a", np.array([0.002 * k, 0.0, 0.1]), now)
+        sent = robots.advance(10.4)
+        ends.append((robots.plant.q.copy(), len(sent)))
+    np.testing.assert_allclose(ends[1][0], ends[0][0], atol=1e-5)
+    assert ends[0][0][0] > 1e-3
+    assert ends[1][1] == ends[0][1]
+
+
+def test_lateness_is_counted_and_reported_once():
+    lateness = Lateness()
+    for behind in (0.001, 0.05, 0.2, 0.002):
+        lateness.add(behind)
+    complaint, newest = lateness.report()
+    assert "200 ms behind the clock" in complaint
+    assert newest == 0.2
+    assert lateness.report() == ("", 0.0)
+    assert str(lateness) == ("behind the clock by more than 30 ms at 2 of 4 looks, at most 200 ms")
+
+
+# ---- differential platforms
+
+
+def test_a_differential_platform_drives_arcs_and_never_to_its_side():
+    whole = load_scenario(CONFIG / "scenarios" / "drive.yaml")
+    topics = BaseInterfaceConfig(odometry="/odom", command="/cmd_vel")
+    robot = RobotInterfaceConfig("tiago", ArmInterfaceConfig("/arm"), base=topics)
+    robots = StandIn(whole, PlantFile("tiago", "", {"robot_a": robot}), Habits(), 10.0)
+    sent = []
+    for k in range(150):
+        now = 10.0 + 0.01 * k
+        robots.command_base("robot_a", np.array([0.4, 0.3, 0.5]), now)  # y: of no effect
+        sent += robots.advance(now)
+    base = [each.sample for each in sent if isinstance(each.sample, BaseSample)]
+    assert {each.twist[1] for each in base} == {0.0}
+    v, w = base[-1].twist[0], base[-1].twist[2]
+    assert (v, w) == pytest.approx((0.4, 0.5), abs=0.01)
+    poses = np.array([[each.x, each.y, 2.0 * np.arctan2(*each.quaternion[2:])] for each in base])
+    steps, yaws = np.diff(poses[:, :2], axis=0), 0.5 * (poses[1:, 2] + poses[:-1, 2])
+    aside = np.cos(yaws) * steps[:, 1] - np.sin(yaws) * steps[:, 0]
+    assert np.abs(aside).max() < 1e-4  # m, in 8 ms
+    np.testing.assert_allclose(poses[-1], robots.plant.q[:3], atol=1e-6)
+    assert poses[-1, 2] > 0.5
+    assert poses[-1, 0] > 0.3

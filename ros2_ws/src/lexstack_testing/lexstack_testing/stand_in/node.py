@@ -71,6 +71,7 @@ class StandInNode(Node):
         now = self._simulated = 1.0 if simulated else self._now()
         self.robots = StandIn(resolved, self._file, chosen, now, resolved.scenario.seed)
         self.lateness, self._warned = Lateness(), -np.inf
+        self._began = self._commanded = False
         # Filled again and again: to make them takes as long as to send them.
         self._joints, self._odometry = JointState(), Odometry(child_frame_id="base_link")
         self._told: dict[str, str] = {}
@@ -107,6 +108,7 @@ class StandInNode(Node):
         """Hear commands; each counts from when it was sent, however busy this process is."""
 
         def hear(message: Any, info: dict[str, int]) -> None:
+            self._commanded = True
             take(message, self._sent(info))
 
         subscription = self.create_subscription(kind, topic, with_info(hear), _COMMANDS)
@@ -125,7 +127,9 @@ class StandInNode(Node):
     def _on_trajectory(self, name: str, message: JointTrajectory, now: float) -> None:
         """Take a trajectory; one without a stamp begins when it was sent."""
         stamp = message.header.stamp
-        start = stamp.sec - self._epoch + 1e-9 * stamp.nanosec if stamp.sec else now
+        start = (
+            stamp.sec - self._epoch + 1e-9 * stamp.nanosec if stamp.sec or stamp.nanosec else now
+        )
         order = [message.joint_names.index(joint) for joint in self.robots.robots[name].names]
         points = [
             Point(
@@ -164,6 +168,7 @@ class StandInNode(Node):
         now = self._now()
         for subscription, take in self._commands:
             for message, info in waiting(subscription):
+                self._commanded = True
                 take(message, self._sent(info))
         if self._clock_out is not None:
             now = self._simulated = self._simulated + _SLICE
@@ -179,8 +184,11 @@ class StandInNode(Node):
 
         Whoever commands them sees old states, as of a driver that stood still.
         """
-        if not self.lateness.looks:
+        if not self._began:
             self.robots.begin(now)  # what a node does before it is spun is no lateness
+            self._began = True
+        if not self._commanded:
+            return  # the processes find each other, which takes time too
         behind = now - self.robots.next_states
         self.lateness.add(behind)
         if behind > LATE and now > self._warned + _SILENT:
