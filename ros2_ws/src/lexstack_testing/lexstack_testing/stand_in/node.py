@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from array import array
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -12,23 +11,17 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Twist, TwistStamped
-from nav_msgs.msg import Odometry
 from rclpy.clock import Clock as SteadyClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 
-from lexstack.errors import InputError
 from lexstack_config.plant_file import check_plant, load_plant
-from lexstack_plant.hardware.base_intake import BaseSample
-from lexstack_plant.hardware.joint_intake import JointSample
 from lexstack_plant.hardware.messages import seconds_of
 from lexstack_plant.hardware.spline import Point
 from lexstack_ros.intake.delays import with_info
@@ -41,12 +34,12 @@ from lexstack_ros.node.readiness import READY
 from lexstack_ros.node.spin import run_node
 from lexstack_testing.stand_in.habits import parse_habits
 from lexstack_testing.stand_in.lateness import LATE, Lateness
-from lexstack_testing.stand_in.robots import Sent, StandIn
+from lexstack_testing.stand_in.robots import StandIn
+from lexstack_testing.stand_in.state_topics import STATES, StateTopics
 
 _LOOK = 0.004  # s between two looks at the clock: every state that is due goes out then
 _SILENT = 1.0  # s between two warnings that the robots are behind the clock
 _SLICE = 0.002  # s from one /clock to the next
-_STATES = QoSProfile(depth=10)
 _COMMANDS = QoSProfile(depth=100)  # more than come while this process has no time
 Take = Callable[[Any, float], None]
 """Takes a command that was sent at a time [s since 1970]."""
@@ -64,7 +57,7 @@ class StandInNode(Node):
         self._file = load_plant(path)
         check_plant(self._file, resolved, str(path))
         chosen, simulated = parse_habits(habits), self._file.use_sim_time
-        self._clock_out = self.create_publisher(Clock, "clock", _STATES) if simulated else None
+        self._clock_out = self.create_publisher(Clock, "clock", STATES) if simulated else None
         # Seconds since now, not since 1970: there a double has steps of 0.2 us, and the drives
         # would feel them.
         self._epoch = 0 if simulated else int(time())
@@ -72,16 +65,13 @@ class StandInNode(Node):
         self.robots = StandIn(resolved, self._file, chosen, now, resolved.scenario.seed)
         self.lateness, self._warned = Lateness(), -np.inf
         self._began = self._commanded = False
-        # Filled again and again: to make them takes as long as to send them.
-        self._joints, self._odometry = JointState(), Odometry(child_frame_id="base_link")
         self._told: dict[str, str] = {}
         self._commands: list[tuple[Subscription, Take]] = []
-        self._joints_out: dict[str, Publisher] = {}
-        self._odometry_out: dict[str, Publisher] = {}
+        self._states = StateTopics(self, self._epoch)
         for name in resolved.scenario.robots:
             self._connect(name)
         stop = self._file.safety.stop
-        self._stop_out = None if stop is None else self.create_publisher(Bool, stop, _STATES)
+        self._stop_out = None if stop is None else self.create_publisher(Bool, stop, STATES)
         look = _SLICE / chosen.speed if simulated else _LOOK
         self.create_timer(look, self._on_timer, clock=SteadyClock(clock_type=ClockType.STEADY_TIME))
         Diagnostics(self, self._health)
@@ -90,9 +80,7 @@ class StandInNode(Node):
     def _connect(self, name: str) -> None:
         """Make the topics and services of one robot."""
         config = self._file.robots[name]
-        topic = config.joint_states.topic
-        if topic not in self._joints_out:
-            self._joints_out[topic] = self.create_publisher(JointState, topic, _STATES)
+        self._states.add(name, config)
         kind, take = Float64MultiArray, self._on_values
         if config.arm.type == "joint_trajectory":
             kind, take = JointTrajectory, self._on_trajectory
@@ -100,7 +88,6 @@ class StandInNode(Node):
         self.create_service(SetBool, f"{name}/stand_in/stop", partial(self._on_stop, name))
         if config.base is None:
             return
-        self._odometry_out[name] = self.create_publisher(Odometry, config.base.odometry, _STATES)
         twist = TwistStamped if config.base.type == "twist_stamped" else Twist
         self._hear(twist, config.base.command, partial(self._on_twist, name))
 
@@ -176,7 +163,7 @@ class StandInNode(Node):
         else:
             self._count(now)
         for sent in self.robots.advance(now):
-            self._publish(sent)
+            self._states.publish(sent)
         self._tell()
 
     def _count(self, now: float) -> None:
@@ -203,22 +190,6 @@ class StandInNode(Node):
                 self.get_logger().error(f"{name}: {reason}")
         self._told = stopped
 
-    def _publish(self, sent: Sent) -> None:
-        """Send one message."""
-        sample = sent.sample
-        stamp = to_time(sample.stamp)
-        stamp.sec += self._epoch
-        if isinstance(sample, JointSample):
-            message = self._joints
-            message.header.stamp = stamp
-            message.name, message.position = list(sample.names), array("d", sample.positions)
-            message.velocity = array("d", sample.velocities)
-            self._joints_out[self._file.robots[sent.robot].joint_states.topic].publish(message)
-        elif sent.robot in self._odometry_out:
-            _fill(self._odometry, sample)
-            self._odometry.header.stamp = stamp
-            self._odometry_out[sent.robot].publish(self._odometry)
-
     def close(self) -> None:
         """Say how late all was."""
         if self._clock_out is None:
@@ -235,18 +206,6 @@ class StandInNode(Node):
             "late looks": f"{self.lateness.late} of {self.lateness.looks}",
         }
         return Health(all_of(told, late), counted)
-
-
-def _fill(message: Odometry, sample: BaseSample) -> None:
-    """Write a platform's pose and velocity into a message."""
-    message.header.frame_id = sample.frame
-    pose, twist = message.pose.pose, message.twist.twist
-    pose.position.x, pose.position.y = sample.x, sample.y
-    turn = pose.orientation
-    turn.x, turn.y, turn.z, turn.w = map(float, sample.quaternion)
-    if sample.twist is None:
-        raise InputError("odometry without a twist")
-    twist.linear.x, twist.linear.y, twist.angular.z = map(float, sample.twist)
 
 
 def main() -> int:
