@@ -256,13 +256,17 @@ class Plant:
             if not self._sensors.perfect:
                 self._sensors.see(sensors, q, driving.velocities(q, rates))
         self._sensors.measure(sensors, q, driving.velocities(q, rates))
-        if any(data.warning[kind].number for kind in _DIVERGED):
-            raise PlantError(f"the simulation became unstable at {data.time:.3f} s")
+        self._check_stable()
         self.counters.clamped += self._rules.bound(plant_state, q)
         plant_state.tick += 1
         plant_state.effort[:] = data.actuator_force
         plant_state.contacts, plant_state.contact_force = touching(self.world, data)
         self.counters.contact += plant_state.contacts > 0
+
+    def _check_stable(self) -> None:
+        """Raise PlantError if the simulation has become unstable."""
+        if any(self._data.warning[kind].number for kind in _DIVERGED):
+            raise PlantError(f"the simulation became unstable at {self._data.time:.3f} s")
 
     def _read(self) -> None:
         """Read the joints of q, and put those that mimic them where these are."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 from dataclasses import replace
 
@@ -13,6 +14,7 @@ from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool
 
+from lexstack.errors import LexstackError
 from lexstack_bringup.processes import ADAPTER, MODULES, arguments_of
 from lexstack_bringup.real_plant import RealPlant
 from lexstack_config.plant_file import load_plant
@@ -26,6 +28,7 @@ from support.scenario import changed, resolved, team
 
 pytestmark = [pytest.mark.system, pytest.mark.timeout(240)]
 
+QUICK = "reorder,velocities=0,quantum=1e-4,jitter=0.002"
 SPEED = "speed=0.3,reorder,velocities=0,quantum=1e-4,jitter=0.002"
 
 
@@ -37,6 +40,14 @@ def real(tmp_path):
         robot["arm"]["ahead"] = 5
     path = tmp_path / "slow.yaml"
     path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    return RealPlant(path, load_plant(path), enable=True)
+
+
+def in_wall_time(tmp_path):
+    """Return the robots, in the time of the wall."""
+    content = yaml.safe_load(PLANT.read_text(encoding="utf-8"))
+    path = tmp_path / "quick.yaml"
+    path.write_text(yaml.safe_dump(content | {"name": "quick"}), encoding="utf-8")
     return RealPlant(path, load_plant(path), enable=True)
 
 
@@ -108,6 +119,35 @@ def test_a_killed_solver_changes_nothing_and_a_killed_controller_brakes(tmp_path
             assert answer.success, answer.message
         user.until(lambda: user.states[-1].status == PlantState.FOLLOWING, "its commands")
         assert user.states[-1].resets == 1
+
+
+def test_a_switch_runs_in_the_time_of_the_wall(tmp_path):
+    """A busy machine may end it, but only by what the processes count as their own lateness."""
+    (event, *_) = resolved().scenario.events
+    events = (replace(event, at=0.5),)
+    scenario = changed(duration=4.0, events=events, base_target={"robot_a": (0.0, -0.2, 0.0)})
+    with with_stand_in(scenario, folder(tmp_path), in_wall_time(tmp_path), QUICK) as run:
+        user = User(run)
+        stopped = ""
+        try:
+            run.play()
+        except LexstackError as error:
+            stopped = str(error)
+        last, logs = user.states[-1], run.out / "logs"
+    stand_in = (logs / f"{STAND_IN}.log").read_text(encoding="utf-8")
+    adapter = (logs / f"{ADAPTER}.log").read_text(encoding="utf-8")
+    counted = re.search(r"at (\d+) of (\d+) looks, at most (\d+) ms", stand_in)
+    assert counted is not None
+    assert int(counted[2]) > 0
+    if stopped:
+        # A trajectory goes on by itself for 0.15 s; whoever was away for longer was late.
+        assert max(100 * (last.late_ticks + last.missing_ticks > 10), int(counted[3])) >= 100
+        return
+    assert "reflex" not in stand_in
+    assert "stopping: the scenario has ended" in adapter
+    assert "reach_base" in run.player.adopted
+    assert last.q[1] == pytest.approx(-0.2, abs=0.02)
+    assert not any(last.command)
 
 
 def test_an_emergency_stop_a_new_start_and_the_end_of_the_adapter(tmp_path):

@@ -86,3 +86,16 @@ def test_what_is_for_onlookers_does_not_catch_up_after_a_pause():
     assert due()
     now[0] = 10.0
     assert [due() for _ in range(5)] == [True, False, False, False, False]
+
+
+def test_realtime_starts_anew_on_its_grid():
+    """A trajectory between two ticks would be shifted by the part of a period, and jerk."""
+    pacer = Pacer("realtime", PERIOD, PATIENCE)
+    pacer.start(0.0)
+    pacer.begin(0.0)
+    dues = []
+    for now in (4.54 * PERIOD, 9.9 * PERIOD, 15.2 * PERIOD):
+        pacer.begin(now)
+        dues.append(pacer.due)
+    assert pacer.restarts == 3
+    assert dues == pytest.approx([5 * PERIOD, 10 * PERIOD, 16 * PERIOD])

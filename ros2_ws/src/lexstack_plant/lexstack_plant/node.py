@@ -33,7 +33,8 @@ from lexstack_ros.node.sole_sender import SoleSender
 
 _COMMAND = "/robot_a/chi"
 _OF_COMMAND = ("tick", "sender", "robots", "chi", "status", "reason")
-_EARLY = 1e-4  # s, by which a timer may come too early
+EARLY = 1e-4
+"""s, by which a timer may come too early."""
 # A timer without a period would fire all the time while something else takes long, and its events
 # be queued faster than they are taken.
 _SOONEST = 100_000  # ns
@@ -154,7 +155,7 @@ class PlantNode(Node):
 
     def look_at_clock(self) -> None:
         """Wake the cycle when its deadline is there."""
-        if self._began and self._now() >= self._tick_cycle.deadline - _EARLY:
+        if self._began and self._now() >= self._tick_cycle.deadline - EARLY:
             self._tick_cycle.expire()
 
     def wake_up(self) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from math import floor
 
 from lexstack_config.scenario import Mode
 
@@ -14,7 +15,9 @@ LATE = 0.5
 """A tick counts as late when it begins so many periods after its wall-clock time."""
 
 GIVE_UP = 3.0
-"""So many periods behind, the schedule starts anew instead of running after the clock."""
+"""So many periods behind, the schedule leaves ticks out instead of running after the clock."""
+
+_SAME = 1e-6  # of a period: no difference of times
 
 
 class Pacer:
@@ -30,7 +33,7 @@ class Pacer:
         lockstep: whether a tick ends as soon as its command is there.
         deadline: until when to wait for the command of the present tick.
         late_ticks: ticks that began late (realtime).
-        restarts: how often the schedule began anew (realtime).
+        restarts: how often the schedule left ticks out (realtime).
     """
 
     def __init__(self, mode: Mode, period: float, command_wall: float) -> None:
@@ -66,7 +69,8 @@ class Pacer:
         self.late_ticks += behind > LATE
         if behind > GIVE_UP:
             self.restarts += 1
-            self._scheduled = now
+            # By whole periods: a trajectory says what robots do between two ticks too.
+            self._scheduled += floor(behind + _SAME) * self._period
         self.deadline = max(self._scheduled + self._period, now + 0.5 * self._period)
 
     def answered(self) -> None:

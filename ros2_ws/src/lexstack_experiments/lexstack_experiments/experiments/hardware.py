@@ -5,11 +5,12 @@ The adapter of ros2_control and its stand-in, without ROS between them, in simul
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from lexstack_config.parts import Parts
+from lexstack_config.resolved import ResolvedScenario
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.experiments.hardware_cases import (
     HABITS,
@@ -21,7 +22,7 @@ from lexstack_experiments.experiments.hardware_cases import (
 from lexstack_experiments.loop import Loop
 from lexstack_experiments.measuring import largest
 from lexstack_experiments.results import Figure, Peer, Results, Table, zero
-from lexstack_experiments.runs import analysed
+from lexstack_experiments.runs import analysed, scenario_of
 from lexstack_testing.stand_in.habits import parse_habits
 from lexstack_testing.stand_in.in_process import HardwareInProcess
 
@@ -44,7 +45,8 @@ class Tally:
 
 def run(options: Options) -> Results:
     """Run the sequence with each habit, and switches at random by each method."""
-    rows = list(_sequences(options))
+    rows = list(_sequences(options, sequence(options.config)))
+    configured = list(_sequences(options, scenario_of(options.config)))
     tallies = {method: _tally(options, method) for method in _METHODS}
     ours, instant = tallies["bridge"], tallies["instant"]
     everything = next((row for row in rows if row["habits"] == "all"), None)
@@ -69,7 +71,8 @@ def run(options: Options) -> Results:
             *figures,
         ),
         (
-            Table.of(rows, "the task sequence"),
+            Table.of(rows, "the task sequence, robot B's last goal turned by 0.1 rad"),
+            Table.of(configured, "the task sequence as it is configured"),
             Table.of(
                 [
                     {
@@ -93,9 +96,9 @@ def run(options: Options) -> Results:
     )
 
 
-def _sequences(options: Options) -> Iterator[dict[str, Any]]:
-    """Yield the errors of the task sequence: in MuJoCo alone, then with each habit."""
-    resolved, plant = sequence(options.config), plant_of(options.config)
+def _sequences(options: Options, resolved: ResolvedScenario) -> Iterator[dict[str, Any]]:
+    """Yield the errors of a task sequence: in MuJoCo alone, then with each habit."""
+    plant = plant_of(options.config)
     parts = Parts.of(resolved)
     loop = Loop(resolved, parts=parts)
     loop.run()
@@ -107,24 +110,37 @@ def _sequences(options: Options) -> Iterator[dict[str, Any]]:
             resolved, parts.team, plant, parse_habits(habits), options.seed
         )
         loop = Loop(resolved, plant=hardware, parts=parts)
-        loop.run()
+        _run(loop, hardware)
         stopped = "; ".join(hardware.robots.stopped().values()) or hardware.adapter.reason
         options.say(f"sequence with {name}: {stopped or 'done'}")
         yield _row(name, loop, stopped)
 
 
+def _run(loop: Loop, hardware: HardwareInProcess) -> None:
+    """Run a loop to its end, or until the robots are stopped."""
+    scenario = loop.resolved.scenario
+    for _ in range(round(scenario.duration * scenario.rate)):
+        loop.step()
+        if hardware.adapter.reason or hardware.robots.stopped():
+            break
+
+
 def _row(habits: str, loop: Loop, stopped: str) -> dict[str, Any]:
-    """Return the figures of one run of the sequence."""
-    metrics = analysed(loop).metrics
-    first, last = metrics.phases[1], metrics.phases[-1]
-    return {
-        "habits": habits,
-        "EE after (A) mm": largest((first.ee_error_mm or {}).values()),
-        "base after (A) mm": largest((first.base_error_mm or {}).values()),
-        "final EE mm": largest((last.ee_error_mm or {}).values()),
-        "settled": sum(phase.settled_s is not None for phase in metrics.phases[1:]),
-        "stopped": stopped or "no",
-    }
+    """Return the figures of one run of the sequence; of one that was stopped there are none."""
+    names = ("EE after (A) mm", "base after (A) mm", "final EE mm", "settled")
+    values: Sequence[float | None] = (None,) * len(names)
+    if not stopped:
+        metrics = analysed(loop).metrics
+        first, last = metrics.phases[1], metrics.phases[-1]
+        values = (
+            largest((first.ee_error_mm or {}).values()),
+            largest((first.base_error_mm or {}).values()),
+            largest((last.ee_error_mm or {}).values()),
+            sum(phase.settled_s is not None for phase in metrics.phases[1:]),
+        )
+    at = loop.record.states[-1].stamp
+    why = f"at {at:.2f} s: {stopped}" if stopped else "no"
+    return {"habits": habits, **dict(zip(names, values, strict=True)), "stopped": why}
 
 
 def _tally(options: Options, method: str) -> Tally:
@@ -156,11 +172,7 @@ def _played(options: Options, switch: Switch, *, check: bool) -> HardwareInProce
         options.seed,
         check=check,
     )
-    loop = Loop(switch.resolved, plant=hardware, parts=parts)
-    for _ in range(round(switch.resolved.scenario.duration * switch.resolved.scenario.rate)):
-        loop.step()
-        if hardware.adapter.reason or hardware.robots.stopped():
-            break
+    _run(Loop(switch.resolved, plant=hardware, parts=parts), hardware)
     return hardware
 
 

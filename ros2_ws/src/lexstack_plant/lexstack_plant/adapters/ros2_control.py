@@ -20,9 +20,10 @@ from lexstack_plant.hardware.memory import HardwareCounters, Phase
 from lexstack_plant.hardware.outputs import RobotCommand
 from lexstack_plant.hardware.plant import HardwarePlant
 from lexstack_plant.hardware.topics import RobotTopics, StateTopics
-from lexstack_plant.node import PlantNode
+from lexstack_plant.node import EARLY, PlantNode
 from lexstack_plant.pacing import Pacer
 from lexstack_plant.topics import PlantTopics
+from lexstack_ros.intake.drain import waiting
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter, text_parameter
 from lexstack_ros.node.spin import run_node
@@ -52,7 +53,7 @@ class PlantAdapter(PlantNode):
         last = round(scenario.duration * scenario.rate)
         self._cycle = HardwareCycle(self._plant, pacer, last, self.publish, clock.now)
         self._told = ""
-        states = StateTopics(self, self.refuse)
+        self._states = states = StateTopics(self, self.refuse)
         self._robots = {
             name: RobotTopics(
                 self,
@@ -96,6 +97,18 @@ class PlantAdapter(PlantNode):
                 f"{counters.refused} refused"
             )
         return figures
+
+    def look_at_clock(self) -> None:
+        """Wake the cycle when its deadline is there.
+
+        What came while this process had no time counts before the tick does: otherwise states look
+        stale, and commands missing, that lie in a queue.
+        """
+        if self._began and self._now() >= self._cycle.deadline - EARLY:
+            self._states.take_waiting()
+            for command, _ in waiting(self._commands):
+                self._take(command)
+        super().look_at_clock()
 
     def publish_more(self, _state: RobotState) -> None:
         """Say once why robots are braked."""

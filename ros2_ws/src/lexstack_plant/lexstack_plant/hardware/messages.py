@@ -15,7 +15,7 @@ from lexstack.types import Vector
 from lexstack_plant.hardware.base_intake import BaseSample
 from lexstack_plant.hardware.joint_intake import JointSample
 from lexstack_plant.hardware.spline import Point
-from lexstack_ros.messages.conversions import to_array, to_seconds, to_time
+from lexstack_ros.messages.conversions import to_array, to_seconds
 
 
 def joint_sample(message: JointState, received: float) -> JointSample:
@@ -44,10 +44,10 @@ def base_sample(message: Odometry, received: float) -> BaseSample:
     )
 
 
-def trajectory(names: Sequence[str], points: Sequence[Point], stamp: float) -> JointTrajectory:
-    """Return a trajectory that begins at ``stamp`` [s since 1970]."""
+def trajectory(names: Sequence[str], points: Sequence[Point], stamp: Time) -> JointTrajectory:
+    """Return a trajectory that begins at ``stamp``."""
     message = JointTrajectory(joint_names=list(names))
-    message.header.stamp = to_time(stamp)
+    message.header.stamp = stamp
     message.points = [
         JointTrajectoryPoint(
             positions=to_array(point.position),
@@ -65,16 +65,14 @@ def values(vector: Vector) -> Float64MultiArray:
     return Float64MultiArray(data=to_array(vector))
 
 
-def twist_message(
-    twist: Vector, stamp: float, frame: str, *, stamped: bool
-) -> Twist | TwistStamped:
+def twist_message(twist: Vector, stamp: Time, frame: str, *, stamped: bool) -> Twist | TwistStamped:
     """Return a platform's velocity along its own axes, shape (3,)."""
     bare = Twist()
     bare.linear.x, bare.linear.y, bare.angular.z = twist.tolist()
     if not stamped:
         return bare
     message = TwistStamped(twist=bare)
-    message.header.stamp = to_time(stamp)
+    message.header.stamp = stamp
     message.header.frame_id = frame
     return message
 

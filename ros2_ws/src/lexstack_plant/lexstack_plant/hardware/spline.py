@@ -167,6 +167,12 @@ class Quintic:
         position: Vector = powers @ self._c
         return position
 
+    def positions(self, times: Vector) -> Matrix:
+        """Return the positions at ``times`` (k,) [s], shape (k, n)."""
+        s = (times - self._start) / self._span
+        positions: Matrix = np.vander(s, 6, increasing=True) @ self._c
+        return positions
+
     def point(self, time: float) -> Point:
         """Return the point at ``time`` [s]."""
         s, span = (time - self._start) / self._span, self._span

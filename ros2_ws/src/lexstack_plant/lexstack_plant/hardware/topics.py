@@ -11,6 +11,7 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray
 from tf2_msgs.msg import TFMessage
@@ -55,6 +56,13 @@ class StateTopics:
         """Hear nothing yet; ``refuse`` is told of messages that do not fit."""
         self._node, self._refuse = node, refuse
         self._listeners: dict[tuple[type, str], list[Callable[[Any], None]]] = {}
+        self._heard: dict[tuple[type, str], Subscription] = {}
+
+    def take_waiting(self) -> None:
+        """Hand on what has come while this process had no time."""
+        for key, subscription in self._heard.items():
+            for message, _ in waiting(subscription):
+                self._hand_on(key, message)
 
     def add(
         self,
@@ -76,6 +84,7 @@ class StateTopics:
                 self._hand_on(key, each)
 
         subscription = self._node.create_subscription(kind, topic, hear, qos)
+        self._heard[key] = subscription
 
     def _hand_on(self, key: tuple[type, str], message: Any) -> None:
         """Hand a message to all that want it."""

@@ -1,4 +1,4 @@
-"""What controllers of ros2_control make of messages, at 1 kHz."""
+"""What controllers of ros2_control make of messages, sampled at 1 kHz."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lexstack.types import Vector
+from lexstack.types import Matrix, Vector
 from lexstack_plant.hardware.spline import Point, Quintic
 
 _TIMEOUT = 0.25  # s after which a platform without commands stops
 
 
 class ArmConsumer(ABC):
-    """A controller of one arm; where it leads the arm at a time."""
+    """A controller of one arm; where it leads the arm at times that only grow."""
 
     @abstractmethod
     def take(self, command: Sequence[Point] | Vector, now: float) -> None:
         """Take a message at ``now`` [s]: a trajectory with absolute times, or an array (n,)."""
 
     @abstractmethod
-    def at(self, now: float) -> Vector:
-        """Return the position that the drives are asked for at ``now`` [s], shape (n,)."""
+    def path(self, times: Vector) -> Matrix:
+        """Return the positions that the drives are asked for at ``times`` (k,) [s], (k, n)."""
 
 
 class TrajectoryConsumer(ArmConsumer):
@@ -41,10 +41,19 @@ class TrajectoryConsumer(ArmConsumer):
             self._path = [self._sample(now), *coming]
             self._segment = None
 
-    def at(self, now: float) -> Vector:
-        """Return the position at ``now`` [s], shape (n,)."""
-        segment = self._find(now)
-        return self._path[0].position if segment is None else segment.position(now)
+    def path(self, times: Vector) -> Matrix:
+        """Return the positions at ``times`` (k,) [s], shape (k, n)."""
+        result = np.empty((len(times), len(self._path[0].position)))
+        done = 0
+        while done < len(times):
+            segment = self._find(float(times[done]))
+            if segment is None:
+                result[done:] = self._path[0].position
+                break
+            end = int(np.searchsorted(times, self._path[1].time))
+            result[done:end] = segment.positions(times[done:end])
+            done = end
+        return result
 
     def _sample(self, now: float) -> Point:
         """Return the point at ``now`` [s]; after the end the last one, at rest."""
@@ -75,12 +84,12 @@ class PositionConsumer(ArmConsumer):
 
     def take(self, command: Sequence[Point] | Vector, now: float) -> None:
         """Go to a position, shape (n,)."""
-        self._from, self._to, self._begun = self.at(now), np.array(command), now
+        self._from, self._to = self.path(np.array([now]))[0], np.array(command)
+        self._begun = now
 
-    def at(self, now: float) -> Vector:
-        """Return the position at ``now`` [s], shape (n,)."""
-        share = min((now - self._begun) / self._period, 1.0)
-        return self._from + share * (self._to - self._from)
+    def path(self, times: Vector) -> Matrix:
+        """Return the positions at ``times`` (k,) [s], shape (k, n)."""
+        return _line(self._from, self._to, (times - self._begun) / self._period)
 
 
 class VelocityConsumer(ArmConsumer):
@@ -88,44 +97,58 @@ class VelocityConsumer(ArmConsumer):
 
     def __init__(self, q: Vector, period: float) -> None:
         """Stand at a position, shape (n,); commands come every ``period`` [s]."""
-        self._q, self._last = q.copy(), 0.0
+        self._q, self._last = q.copy(), np.inf
         self._from, self._to = np.zeros_like(q), np.zeros_like(q)
         self._begun, self._period = -np.inf, period
 
     def take(self, command: Sequence[Point] | Vector, now: float) -> None:
         """Go on at a velocity, shape (n,)."""
-        self._from, self._to, self._begun = self._velocity(now), np.array(command), now
+        self._from, self._to = self._velocities(np.array([now]))[0], np.array(command)
+        self._begun = now
 
-    def at(self, now: float) -> Vector:
-        """Return the position at ``now`` [s], shape (n,); asked for again and again, in order."""
-        elapsed, self._last = now - self._last, now
-        if 0.0 < elapsed < self._period:
-            self._q = self._q + elapsed * self._velocity(now)
-        return self._q
+    def path(self, times: Vector) -> Matrix:
+        """Return the positions at ``times`` (k,) [s], shape (k, n): the integral of velocities."""
+        first = min(self._last, float(times[0]))  # at the very first time nothing has elapsed
+        elapsed = np.diff(times, prepend=first)
+        result = self._q + np.cumsum(elapsed[:, None] * self._velocities(times), axis=0)
+        self._q, self._last = result[-1], float(times[-1])
+        return result
 
-    def _velocity(self, now: float) -> Vector:
-        """Return the velocity at ``now`` [s], shape (n,)."""
-        share = min((now - self._begun) / self._period, 1.0)
-        return self._from + share * (self._to - self._from)
+    def _velocities(self, times: Vector) -> Matrix:
+        """Return the velocities at ``times`` (k,) [s], shape (k, n)."""
+        return _line(self._from, self._to, (times - self._begun) / self._period)
 
 
 class BaseConsumer:
     """A platform's controller: it follows twists within its acceleration limits, and times out."""
 
     def __init__(self, acceleration: Vector) -> None:
-        """Stand still; ``acceleration`` limits have shape (3,)."""
+        """Stand still; ``acceleration`` limits have shape (m,), one for each part of the twist."""
         self._acceleration = acceleration
-        self._wanted: Vector = np.zeros(3)
-        self._twist: Vector = np.zeros(3)
+        self._wanted: Vector = np.zeros_like(acceleration)
+        self._twist: Vector = np.zeros_like(acceleration)
         self._heard = -np.inf
 
     def take(self, twist: Vector, now: float) -> None:
-        """Take a twist along the platform's axes, shape (3,)."""
+        """Take a twist along the platform's axes, shape (m,)."""
         self._wanted, self._heard = np.array(twist), now
 
-    def step(self, now: float, period: float) -> Vector:
-        """Return the twist of the next ``period`` [s], shape (3,)."""
-        wanted = self._wanted if now - self._heard < _TIMEOUT else np.zeros(3)
-        most = self._acceleration * period
-        self._twist = self._twist + np.minimum(np.maximum(wanted - self._twist, -most), most)
-        return self._twist
+    def path(self, times: Vector, period: float) -> Matrix:
+        """Return the twists of the periods [s] that end at ``times`` (k,), shape (k, m)."""
+        result = np.empty((len(times), len(self._twist)))
+        heard = int(np.searchsorted(times, self._heard + _TIMEOUT))
+        for part, wanted in (
+            (slice(0, heard), self._wanted),
+            (slice(heard, None), np.zeros_like(self._twist)),
+        ):
+            rows = result[part]
+            if len(rows):
+                most = period * np.arange(1, len(rows) + 1)[:, None] * self._acceleration
+                rows[:] = self._twist + np.minimum(np.maximum(wanted - self._twist, -most), most)
+                self._twist = rows[-1].copy()
+        return result
+
+
+def _line(start: Vector, end: Vector, shares: Vector) -> Matrix:
+    """Return points (k, n) of the way from one to the other, at ``shares`` (k,), at most 1."""
+    return start + np.minimum(shares, 1.0)[:, None] * (end - start)

@@ -79,18 +79,21 @@ class HardwareInProcess:
     def pass_time(self, seconds: float) -> None:
         """Move the robots for a time [s], and hear what they measure."""
         self._due += seconds
-        while self.now < self._due - 1e-9:
-            self.now = min(self.now + 1e-3, self._due)
-            for sent in self.robots.advance(self.now):
+        moved = self.now
+        while moved < self._due - 1e-9:
+            moved = min(self.robots.next_states, self._due)
+            for sent in self.robots.advance(moved):
+                self.now = max(self.now, sent.arrives)
                 self._hear(sent)
+        self.now = self._due
 
     def _hear(self, sent: Sent) -> None:
         """Hand a message to the adapter."""
-        robot, sample = self.adapter.robots[sent.robot], sent.sample
+        robot, sample = self.adapter.robots[sent.robot], replace(sent.sample, received=self.now)
         if isinstance(sample, JointSample):
-            self.adapter.hear_joints(sent.robot, replace(sample, received=self.now))
+            self.adapter.hear_joints(sent.robot, sample)
         elif robot.base is not None:
-            robot.base.hear(replace(sample, received=self.now))
+            robot.base.hear(sample)
 
     def _send(self, name: str, command: RobotCommand) -> None:
         """Hand a robot's commands to the stand-in."""

@@ -6,44 +6,40 @@ import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from time import time
+from time import time, time_ns
 from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Twist, TwistStamped
-from nav_msgs.msg import Odometry
 from rclpy.clock import Clock as SteadyClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 
-from lexstack.errors import InputError
 from lexstack_config.plant_file import check_plant, load_plant
-from lexstack_plant.hardware.base_intake import BaseSample
-from lexstack_plant.hardware.joint_intake import JointSample
 from lexstack_plant.hardware.messages import seconds_of
 from lexstack_plant.hardware.spline import Point
 from lexstack_ros.intake.delays import with_info
 from lexstack_ros.intake.drain import waiting
 from lexstack_ros.messages.conversions import to_time
-from lexstack_ros.node.diagnostics import Diagnostics, Health
+from lexstack_ros.node.diagnostics import Diagnostics, Health, all_of
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import scenario_parameter, text_parameter
 from lexstack_ros.node.readiness import READY
 from lexstack_ros.node.spin import run_node
 from lexstack_testing.stand_in.habits import parse_habits
-from lexstack_testing.stand_in.robots import Sent, StandIn
+from lexstack_testing.stand_in.lateness import LATE, Lateness
+from lexstack_testing.stand_in.robots import StandIn
+from lexstack_testing.stand_in.state_topics import STATES, StateTopics
 
 _LOOK = 0.004  # s between two looks at the clock: every state that is due goes out then
+_SILENT = 1.0  # s between two warnings that the robots are behind the clock
 _SLICE = 0.002  # s from one /clock to the next
-_STATES = QoSProfile(depth=10)
 _COMMANDS = QoSProfile(depth=100)  # more than come while this process has no time
 Take = Callable[[Any, float], None]
 """Takes a command that was sent at a time [s since 1970]."""
@@ -61,17 +57,21 @@ class StandInNode(Node):
         self._file = load_plant(path)
         check_plant(self._file, resolved, str(path))
         chosen, simulated = parse_habits(habits), self._file.use_sim_time
-        self._clock_out = self.create_publisher(Clock, "clock", _STATES) if simulated else None
-        now = 1.0 if simulated else time()
+        self._clock_out = self.create_publisher(Clock, "clock", STATES) if simulated else None
+        # Seconds since now, not since 1970: there a double has steps of 0.2 us, and the drives
+        # would feel them.
+        self._epoch = 0 if simulated else int(time())
+        now = self._simulated = 1.0 if simulated else self._now()
         self.robots = StandIn(resolved, self._file, chosen, now, resolved.scenario.seed)
+        self.lateness, self._warned = Lateness(), -np.inf
+        self._began = self._commanded = False
         self._told: dict[str, str] = {}
         self._commands: list[tuple[Subscription, Take]] = []
-        self._joints_out: dict[str, Publisher] = {}
-        self._odometry_out: dict[str, Publisher] = {}
+        self._states = StateTopics(self, self._epoch)
         for name in resolved.scenario.robots:
             self._connect(name)
         stop = self._file.safety.stop
-        self._stop_out = None if stop is None else self.create_publisher(Bool, stop, _STATES)
+        self._stop_out = None if stop is None else self.create_publisher(Bool, stop, STATES)
         look = _SLICE / chosen.speed if simulated else _LOOK
         self.create_timer(look, self._on_timer, clock=SteadyClock(clock_type=ClockType.STEADY_TIME))
         Diagnostics(self, self._health)
@@ -80,9 +80,7 @@ class StandInNode(Node):
     def _connect(self, name: str) -> None:
         """Make the topics and services of one robot."""
         config = self._file.robots[name]
-        topic = config.joint_states.topic
-        if topic not in self._joints_out:
-            self._joints_out[topic] = self.create_publisher(JointState, topic, _STATES)
+        self._states.add(name, config)
         kind, take = Float64MultiArray, self._on_values
         if config.arm.type == "joint_trajectory":
             kind, take = JointTrajectory, self._on_trajectory
@@ -90,7 +88,6 @@ class StandInNode(Node):
         self.create_service(SetBool, f"{name}/stand_in/stop", partial(self._on_stop, name))
         if config.base is None:
             return
-        self._odometry_out[name] = self.create_publisher(Odometry, config.base.odometry, _STATES)
         twist = TwistStamped if config.base.type == "twist_stamped" else Twist
         self._hear(twist, config.base.command, partial(self._on_twist, name))
 
@@ -98,6 +95,7 @@ class StandInNode(Node):
         """Hear commands; each counts from when it was sent, however busy this process is."""
 
         def hear(message: Any, info: dict[str, int]) -> None:
+            self._commanded = True
             take(message, self._sent(info))
 
         subscription = self.create_subscription(kind, topic, with_info(hear), _COMMANDS)
@@ -105,13 +103,21 @@ class StandInNode(Node):
 
     def _sent(self, info: dict[str, int]) -> float:
         """Return when a message was sent, by the robots' clock [s]."""
-        return self.robots.time if self._clock_out else 1e-9 * info["source_timestamp"]
+        if self._clock_out is not None:
+            return self._simulated
+        return 1e-9 * (info["source_timestamp"] - 1_000_000_000 * self._epoch)
+
+    def _now(self) -> float:
+        """Return the time of the wall [s since the epoch]."""
+        return 1e-9 * (time_ns() - 1_000_000_000 * self._epoch)
 
     def _on_trajectory(self, name: str, message: JointTrajectory, now: float) -> None:
         """Take a trajectory; one without a stamp begins when it was sent."""
-        start = seconds_of(message.header.stamp) or now
-        joints = list(self.robots.robots[name].model.joints[self.robots.robots[name].model.arm])
-        order = [list(message.joint_names).index(joint) for joint in joints]
+        stamp = message.header.stamp
+        start = (
+            stamp.sec - self._epoch + 1e-9 * stamp.nanosec if stamp.sec or stamp.nanosec else now
+        )
+        order = [message.joint_names.index(joint) for joint in self.robots.robots[name].names]
         points = [
             Point(
                 start + seconds_of(point.time_from_start),
@@ -146,56 +152,60 @@ class StandInNode(Node):
     def _on_timer(self) -> None:
         """Move the robots up to now, and send what they measure."""
         # What was sent before now counts before now, though the executor has not handed it over.
-        now = time()
+        now = self._now()
         for subscription, take in self._commands:
             for message, info in waiting(subscription):
+                self._commanded = True
                 take(message, self._sent(info))
         if self._clock_out is not None:
-            now = self.robots.time + _SLICE
+            now = self._simulated = self._simulated + _SLICE
             self._clock_out.publish(Clock(clock=to_time(now)))
+        else:
+            self._count(now)
         for sent in self.robots.advance(now):
-            self._publish(sent)
+            self._states.publish(sent)
+        self._tell()
+
+    def _count(self, now: float) -> None:
+        """Count how far the robots are behind the clock; they go the way that they were sent.
+
+        Whoever commands them sees old states, as of a driver that stood still.
+        """
+        if not self._began:
+            self.robots.begin(now)  # what a node does before it is spun is no lateness
+            self._began = True
+        if not self._commanded:
+            return  # the processes find each other, which takes time too
+        behind = now - self.robots.next_states
+        self.lateness.add(behind)
+        if behind > LATE and now > self._warned + _SILENT:
+            self._warned = now
+            self.get_logger().warning(f"{1e3 * behind:.0f} ms behind the clock")
+
+    def _tell(self) -> None:
+        """Say once which drives have stopped."""
         stopped = self.robots.stopped()
         for name, reason in stopped.items():
             if self._told.get(name) != reason:
                 self.get_logger().error(f"{name}: {reason}")
         self._told = stopped
 
-    def _publish(self, sent: Sent) -> None:
-        """Send one message."""
-        sample = sent.sample
-        stamp = to_time(sample.stamp)
-        config = self._file.robots[sent.robot]
-        if isinstance(sample, JointSample):
-            message = JointState(
-                name=list(sample.names),
-                position=list(sample.positions),
-                velocity=list(sample.velocities),
-            )
-            message.header.stamp = stamp
-            self._joints_out[config.joint_states.topic].publish(message)
-        elif sent.robot in self._odometry_out:
-            self._odometry_out[sent.robot].publish(_odometry(sample, stamp))
+    def close(self) -> None:
+        """Say how late all was."""
+        if self._clock_out is None:
+            self.get_logger().info(str(self.lateness))
 
     def _health(self) -> Health:
         """Return how the robots are."""
         told = "; ".join(f"{name}: {reason}" for name, reason in self._told.items())
-        behind = 0.0 if self._clock_out else time() - self.robots.time
-        return Health(told, {"behind the clock [ms]": f"{1e3 * behind:.1f}"})
-
-
-def _odometry(sample: BaseSample, stamp: Any) -> Odometry:
-    """Return a message of odometry."""
-    message = Odometry(child_frame_id="base_link")
-    message.header.stamp, message.header.frame_id = stamp, sample.frame
-    pose, twist = message.pose.pose, message.twist.twist
-    pose.position.x, pose.position.y = sample.x, sample.y
-    turn = pose.orientation
-    turn.x, turn.y, turn.z, turn.w = map(float, sample.quaternion)
-    if sample.twist is None:
-        raise InputError("odometry without a twist")
-    twist.linear.x, twist.linear.y, twist.angular.z = map(float, sample.twist)
-    return message
+        if self._clock_out is not None:
+            return Health(told)
+        late, newest = self.lateness.report()
+        counted = {
+            "behind the clock, at most [ms]": f"{1e3 * newest:.1f}",
+            "late looks": f"{self.lateness.late} of {self.lateness.looks}",
+        }
+        return Health(all_of(told, late), counted)
 
 
 def main() -> int:
