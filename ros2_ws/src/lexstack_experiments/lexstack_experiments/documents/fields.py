@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from lexstack_experiments.documents import (
+    hardware,
     mobile,
     obstacle,
     peers,
@@ -20,6 +21,7 @@ from lexstack_experiments.experiments import EXPERIMENTS
 Field = Callable[[], str]
 
 _FROM_RESULTS: dict[str, Callable[[Store], str]] = {
+    **hardware.FIELDS,
     **mobile.FIELDS,
     **obstacle.FIELDS,
     **peers.FIELDS,
