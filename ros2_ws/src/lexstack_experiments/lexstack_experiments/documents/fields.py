@@ -7,6 +7,7 @@ from functools import partial
 
 from lexstack_experiments.documents import (
     benches,
+    hardware,
     mobile,
     obstacle,
     peers,
@@ -22,6 +23,7 @@ Field = Callable[[], str]
 
 _FROM_RESULTS: dict[str, Callable[[Store], str]] = {
     **benches.FIELDS,
+    **hardware.FIELDS,
     **mobile.FIELDS,
     **obstacle.FIELDS,
     **peers.FIELDS,

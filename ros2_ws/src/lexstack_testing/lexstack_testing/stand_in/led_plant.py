@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from lexstack.types import Matrix, RobotState, Vector
+from lexstack_sim.contacts import touching
 from lexstack_sim.impedance import ImpedanceLoop
 from lexstack_sim.plant import Plant
 
@@ -91,6 +92,7 @@ class LedPlant(Plant):
         """Return what the robots measure now; raises PlantError if it is unstable."""
         memory = self._plant_state
         self._check_stable()
+        memory.contacts, memory.contact_force = touching(self.world, self._data)
         self._sensors.measure(
             memory.sensors, self._q, self._driving.velocities(self._q, self._rates)
         )
