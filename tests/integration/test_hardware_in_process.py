@@ -8,6 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from lexstack import StackConfig
+from lexstack.robots import DifferentialConfig
 from lexstack_config.resolved import load_scenario
 from lexstack_experiments.experiments.hardware_cases import plant_of, switches
 from lexstack_experiments.loop import Loop
@@ -93,3 +95,40 @@ def test_every_interface_leads_the_tool_within_a_millimetre(kind, habits):
     assert not hardware.adapter.reason
     tools = [each.parts.team.tools(each.record.states[-1].q)[0] for each in (loop, still)]
     assert np.linalg.norm(tools[0].position - tools[1].position) < 1e-2
+
+
+def parking():
+    """Return a Panda on a differential platform that is to park, and its plant."""
+    whole = load_scenario(CONFIG / "scenarios" / "transition-sequence.yaml")
+    robot = whole.robots["panda_summit"]
+    platform = DifferentialConfig(velocity=(1.0, 2.0), acceleration=(1.0, 2.0), jerk=(100.0, 200.0))
+    stack = StackConfig.of_tasks("park", "base", "posture")
+    scenario = replace(
+        whole.scenario,
+        robots={"robot_a": whole.scenario.robots["robot_a"]},
+        base_target={"robot_a": (-0.4, 0.3, 0.6)},
+        initial_stack="park",
+        events=(),
+        duration=9.0,
+    )
+    resolved = replace(
+        whole,
+        scenario=scenario,
+        robots={"panda_summit": replace(robot, base=platform)},
+        stacks={"park": stack},
+    )
+    plant = plant_of(CONFIG)
+    return resolved, replace(plant, robots={"robot_a": plant.robots["robot_a"]})
+
+
+def test_a_differential_platform_parks_as_in_mujoco_alone():
+    resolved, plant = parking()
+    alone, loop = Loop(resolved), Loop(resolved)
+    hardware = on_hardware(loop, replace(ALL, drift=0.0), plant)
+    for each in (alone, loop):
+        each.run()
+    well(hardware)
+    ends = [each.record.states[-1].q[:3] for each in (alone, loop)]
+    np.testing.assert_allclose(ends[0], (-0.4, 0.3, 0.6), atol=0.01)
+    np.testing.assert_allclose(ends[1], ends[0], atol=2e-3)
+    assert (hardware.robots.robots["robot_a"].drive.peaks <= 1.0).all()
