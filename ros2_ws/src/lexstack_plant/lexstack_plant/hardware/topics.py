@@ -11,6 +11,7 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray
 from tf2_msgs.msg import TFMessage
@@ -55,6 +56,7 @@ class StateTopics:
         """Hear nothing yet; ``refuse`` is told of messages that do not fit."""
         self._node, self._refuse = node, refuse
         self._listeners: dict[tuple[type, str], list[Callable[[Any], None]]] = {}
+        self._subscriptions: dict[tuple[type, str], Subscription] = {}
 
     def add(
         self,
@@ -69,13 +71,22 @@ class StateTopics:
         self._listeners.setdefault(key, []).append(listener)
         if known:
             return
-        subscription: Any = None
 
         def hear(message: Any) -> None:
-            for each in (message, *(other for other, _ in waiting(subscription))):
-                self._hand_on(key, each)
+            self._hand_on(key, message)
+            self._catch_up(key)
 
-        subscription = self._node.create_subscription(kind, topic, hear, qos)
+        self._subscriptions[key] = self._node.create_subscription(kind, topic, hear, qos)
+
+    def catch_up(self) -> None:
+        """Take what waits of all topics: where no executor does."""
+        for key in self._subscriptions:
+            self._catch_up(key)
+
+    def _catch_up(self, key: tuple[type, str]) -> None:
+        """Take what waits of a topic."""
+        for message, _ in waiting(self._subscriptions[key]):
+            self._hand_on(key, message)
 
     def _hand_on(self, key: tuple[type, str], message: Any) -> None:
         """Hand a message to all that want it."""
