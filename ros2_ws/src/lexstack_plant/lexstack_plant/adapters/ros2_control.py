@@ -53,12 +53,12 @@ class PlantAdapter(PlantNode):
         last = round(scenario.duration * scenario.rate)
         self._cycle = HardwareCycle(self._plant, pacer, last, self.publish, clock.now)
         self._told = ""
-        self._states = StateTopics(self, self.refuse)
+        self._states = states = StateTopics(self, self.refuse)
         self._robots = {
             name: RobotTopics(
                 self,
                 robot,
-                self._states,
+                states,
                 press=partial(self._press, name),
                 stop=plant.safety.stop,
                 clock=clock,
@@ -121,7 +121,7 @@ class PlantAdapter(PlantNode):
     def _wait(self, until: float) -> None:
         """Wait for a time of the monotonic clock [s], and hear states meanwhile."""
         while (left := until - monotonic()) > 0.0:
-            self._states.catch_up()
+            self._states.take_waiting()
             time.sleep(min(_SLICE, left))
 
     def _send(self, name: str, command: RobotCommand) -> None:

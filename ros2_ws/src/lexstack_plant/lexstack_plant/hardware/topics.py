@@ -56,7 +56,13 @@ class StateTopics:
         """Hear nothing yet; ``refuse`` is told of messages that do not fit."""
         self._node, self._refuse = node, refuse
         self._listeners: dict[tuple[type, str], list[Callable[[Any], None]]] = {}
-        self._subscriptions: dict[tuple[type, str], Subscription] = {}
+        self._heard: dict[tuple[type, str], Subscription] = {}
+
+    def take_waiting(self) -> None:
+        """Hand on what has come while this process had no time."""
+        for key, subscription in self._heard.items():
+            for message, _ in waiting(subscription):
+                self._hand_on(key, message)
 
     def add(
         self,
@@ -71,22 +77,14 @@ class StateTopics:
         self._listeners.setdefault(key, []).append(listener)
         if known:
             return
+        subscription: Any = None
 
         def hear(message: Any) -> None:
-            self._hand_on(key, message)
-            self._catch_up(key)
+            for each in (message, *(other for other, _ in waiting(subscription))):
+                self._hand_on(key, each)
 
-        self._subscriptions[key] = self._node.create_subscription(kind, topic, hear, qos)
-
-    def catch_up(self) -> None:
-        """Take what waits of all topics: where no executor does."""
-        for key in self._subscriptions:
-            self._catch_up(key)
-
-    def _catch_up(self, key: tuple[type, str]) -> None:
-        """Take what waits of a topic."""
-        for message, _ in waiting(self._subscriptions[key]):
-            self._hand_on(key, message)
+        subscription = self._node.create_subscription(kind, topic, hear, qos)
+        self._heard[key] = subscription
 
     def _hand_on(self, key: tuple[type, str], message: Any) -> None:
         """Hand a message to all that want it."""
