@@ -50,7 +50,7 @@ def test_setup_and_package_xml_name_the_same(package):
         ("lexstack", "import yaml", "'yaml'"),
         ("lexstack", "import rclpy", "'rclpy'"),
         ("lexstack_sim", "import casadi", "'casadi'"),
-        ("lexstack_plant", "from rcl_interfaces.msg import Parameter", "'rcl_interfaces'"),
+        ("lexstack_plant", "from visualization_msgs.msg import Marker", "'visualization_msgs'"),
     ],
 )
 def test_an_import_that_is_not_declared_is_told(tmp_path, package, statement, word):

@@ -12,12 +12,15 @@ import pytest
 import lexstack
 from lexstack.robots import wrap
 from lexstack.types import PlantStatus
+from lexstack_config.parts import build_team
 from lexstack_config.plant_file import check_plant, load_plant
 from lexstack_config.resolved import load_scenario
 from lexstack_plant.hardware.base_intake import BaseSample
 from lexstack_plant.hardware.joint_intake import JointSample
 from lexstack_plant.hardware.memory import Phase
 from lexstack_sim.impedance import gravity
+from lexstack_testing.stand_in.habits import ALL, Habits
+from lexstack_testing.stand_in.in_process import HardwareInProcess
 from support.differential import loop
 from support.ideal_hardware import IdealHardware
 from support.scenario import CONFIG
@@ -112,6 +115,27 @@ def test_it_parks_and_switches_on_the_way(tiago):
     assert abs(wrap(GOAL[2] - yaw)) < 5e-3
     assert tiago.plant.counters.clamped == 0
     np.testing.assert_allclose(ends[0], ends[1], atol=1e-6)
+
+
+@pytest.mark.parametrize("habits", [Habits(), ALL])
+def test_it_parks_on_the_stand_in(habits):
+    """MuJoCo's base behind odometry and twists, with all habits of hardware; it never slides."""
+    given, plant = scenario(), load_plant(PLANT)
+    robot = plant.robots["robot_a"]
+    settled = replace(robot, arm=replace(robot.arm, ahead=5))
+    team = build_team(given)
+    hardware = HardwareInProcess(given, team, replace(plant, robots={"robot_a": settled}), habits)
+    controller, _, run = loop(team, {"park": ("base", "posture")}, "park")
+    run.plant = hardware
+    controller.references.add(lexstack.Target(at=0.0, robot=0, base=np.array(GOAL)))
+    for _ in range(1500):
+        assert not run.step().fallback
+        assert not hardware.adapter.reason
+        assert hardware.commands["robot_a"].twist[1] == 0.0
+    assert not hardware.robots.stopped()
+    x, y, yaw = hardware.state().q[:3]
+    assert math.hypot(GOAL[0] - x, GOAL[1] - y) < 5e-3
+    assert abs(wrap(GOAL[2] - yaw)) < 5e-3
 
 
 def test_it_is_taken_over_at_the_speed_of_whoever_drove_it(tiago):

@@ -29,6 +29,7 @@ from lexstack_ros.node.parameters import scenario_parameter, text_parameter
 from lexstack_ros.node.spin import run_node
 
 _LOOK = 0.2  # s between two looks at who listens
+_SLICE = 1e-3  # s between two looks for states when the process ends
 _LONGEST = 5.0  # s of braking when the process ends
 
 
@@ -120,14 +121,21 @@ class PlantAdapter(PlantNode):
     def close(self) -> None:
         """Brake the robots, and leave them at zero velocity, before the process ends."""
         self._plant.stop("plant_adapter ends")
-        # The executor has ended: nothing more is heard, and the wall's clock must do.
+        # The executor has ended: states are taken here, for arms that take torques, and the wall's
+        # clock must do.
         begun, due = monotonic(), self._clock_now()
         ticks = round(_LONGEST / self._plant.period)
         for tick in range(1, ticks + 1):
             if self._plant.phase is not Phase.STOPPING:
                 break
-            time.sleep(max(0.0, begun + tick * self._plant.period - monotonic()))
+            self._wait(begun + tick * self._plant.period)
             self._plant.step(None, due + tick * self._plant.period)
+
+    def _wait(self, until: float) -> None:
+        """Wait for a time of the monotonic clock [s], and hear states meanwhile."""
+        while (left := until - monotonic()) > 0.0:
+            self._states.take_waiting()
+            time.sleep(min(_SLICE, left))
 
     def _send(self, name: str, command: RobotCommand) -> None:
         """Send a robot its commands of a tick."""
