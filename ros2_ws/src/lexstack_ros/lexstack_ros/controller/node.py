@@ -35,7 +35,7 @@ from lexstack_ros.node.spin import run_node
 _SOURCE = "/robot_b/chi"
 _OF_SOURCE = ("tick", "robots", "stack", "transition_id", "references", "chi", "slacks", "status")
 _LATE_START = 1.0  # s of simulated time: whoever comes later has been there before, or should have
-_LOOK = 0.02  # s of wall time between two looks whether the wait for the solver is over
+_EARLY = 1e-4  # s, by which a timer may come too early
 
 
 class HqpControllerNode(Node):
@@ -91,7 +91,7 @@ class HqpControllerNode(Node):
             on_stack=self._targets.add_frames,
         )
         wall = Clock(clock_type=ClockType.STEADY_TIME)
-        self._look = self.create_timer(_LOOK, self._on_look, clock=wall)
+        self._timer = self.create_timer(self._patience, self._on_timer, clock=wall)
         self._peer_watch = PeerWatch(self)
         Diagnostics(self, self._health)
         self._states = PlantStates(
@@ -151,13 +151,25 @@ class HqpControllerNode(Node):
         self._controller.transition.hear_plan(plan)
         self._serve(wait=True)
 
-    def _on_look(self) -> None:
-        """Serve a state whose source did not answer in time: it counts as lost."""
+    def _on_timer(self) -> None:
+        """Serve a state whose source did not answer in time: it counts as lost.
+
+        The deadline moves with every state that waits, the timer only when it is there: it comes
+        once in the time of a deadline, not once a tick.
+        """
+        left = self._deadline - time.monotonic()
         if self._state is None:
-            self._look.cancel()  # until a state waits again
-        elif time.monotonic() >= self._deadline:
+            self._timer.cancel()  # until a state waits again
+        elif left > _EARLY:
+            self._let_come(left)
+        else:
             self._late += 1
             self._serve(wait=False)
+
+    def _let_come(self, seconds: float) -> None:
+        """Let the timer come in so many seconds."""
+        self._timer.timer_period_ns = round(1e9 * seconds)
+        self._timer.reset()
 
     def _serve(self, *, wait: bool) -> None:
         """Send the command for the state at hand, unless it must wait for the source."""
@@ -165,8 +177,8 @@ class HqpControllerNode(Node):
         if state is None:
             return
         if wait and self._controller.awaits(state):
-            if self._look.is_canceled():
-                self._look.reset()
+            if self._timer.is_canceled():
+                self._let_come(self._patience)
             return
         self._state = None
         command = self._controller.tick(state)
