@@ -81,7 +81,8 @@ class HqpControllerNode(Node):
         self._source = self.create_subscription(
             Chi, relative(_SOURCE), self._on_source, STREAM, raw=True
         )
-        self.create_subscription(JointTrajectory, relative(PLAN), self._on_plan, STREAM)
+        self._read_plan = Reader(JointTrajectory, PLAN)
+        self.create_subscription(JointTrajectory, relative(PLAN), self._on_plan, STREAM, raw=True)
         self._scenario_out = tell_scenario(self, self._resolved)
         self._requests = Requests(
             self,
@@ -141,10 +142,10 @@ class HqpControllerNode(Node):
                 continue
             self._serve(wait=True)
 
-    def _on_plan(self, message: JointTrajectory) -> None:
+    def _on_plan(self, data: bytes) -> None:
         """Take a plan of the HTMPC."""
         try:
-            plan = to_plan(message, self._parts.team, self._resolved.scenario.rate)
+            plan = to_plan(self._read_plan(data), self._parts.team, self._resolved.scenario.rate)
         except InputError as error:
             self._states.refuse(error)
             return
