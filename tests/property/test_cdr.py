@@ -20,7 +20,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from lexstack_bag.storage.definitions import message_definition
 from lexstack_interfaces.msg import Chi, PlantState, References, SequenceTask, TransitionStatus
-from lexstack_ros.messages.cdr import HEAD, Buffer, CdrError, Field, Layout, Reader, fields_of
+from lexstack_ros.messages.cdr import Buffer, Reader
+from lexstack_ros.messages.cdr_layout import HEAD, CdrError, Field, Layout, fields_of
 
 KINDS = (
     PlantState,

@@ -31,6 +31,11 @@ def read(bag: Path, *topics: str) -> dict[str, list]:
     return result
 
 
+def transitions(bag: Path) -> list:
+    """Return the transitions of every tick, in their order: they stand in the controller's chi."""
+    return [each for chi in read(bag, "/robot_a/chi")["/robot_a/chi"] for each in chi.transitions]
+
+
 def chi_by_tick(bag: Path, topic: str) -> dict[int, bytes]:
     """Return the bits of every chi of a topic, by tick."""
     return {m.tick: np.asarray(m.chi).tobytes() for m in read(bag, topic)[topic]}

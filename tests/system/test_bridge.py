@@ -195,8 +195,9 @@ def test_tools_get_joint_states_poses_odometry_clock_and_description(bring_up):
     system.spin(0.3)
     got = controller.others
     joints = got["/robot_a/joint_states"]
-    stamps = sorted({message.header.stamp.nanosec for message in joints})
-    assert np.diff(stamps) == pytest.approx(0.02e9)  # 50 Hz of simulated time
+    seconds = controller.times[-1] - controller.times[0]
+    assert len(joints) <= 50.0 * seconds + 3.0, "50 Hz of wall time"
+    assert 2 <= len(got["/clock"]) <= 100.0 * seconds + 3.0
     assert {len(m.name) for m in joints} == {len(joints[0].position)} == {len(joints[0].effort)}
     by_stamp = {state.header.stamp.nanosec: state for state in controller.states}
     last = joints[-1]
@@ -211,7 +212,8 @@ def test_tools_get_joint_states_poses_odometry_clock_and_description(bring_up):
     assert odometry.pose.pose.position.x == pytest.approx(state.q[10])
     speed = np.hypot(odometry.twist.twist.linear.x, odometry.twist.twist.linear.y)
     assert speed == pytest.approx(np.hypot(state.v[10], state.v[11]))
-    assert len({(c.clock.sec, c.clock.nanosec) for c in got["/clock"]}) == 61
+    last = controller.last.header.stamp
+    assert got["/clock"][-1].clock == last, "told again while the plant stands"
     assert "<robot" in got["/robot_a/robot_description"][-1].data
     status = next(s for m in got["/diagnostics"] for s in m.status if s.name == "sim_bridge")
     assert {"tick", "missing ticks", "refused commands"} <= {value.key for value in status.values}

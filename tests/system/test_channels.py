@@ -11,7 +11,7 @@ from lexstack_config.parts import build_team
 from lexstack_config.scenario import EventConfig
 from lexstack_interfaces.msg import TransitionStatus
 from lexstack_testing.played_run import together
-from support.runs import acceleration_ratio, read
+from support.runs import acceleration_ratio, read, transitions
 from support.scenario import resolved
 
 pytestmark = pytest.mark.system
@@ -61,7 +61,7 @@ def bag(tmp_path_factory):
 def statuses(bag):
     """Return all messages of the transitions, by tick."""
     found: dict[int, dict[tuple, TransitionStatus]] = {}
-    for message in read(bag, "/robot_a/transition")["/robot_a/transition"]:
+    for message in transitions(bag):
         found.setdefault(message.tick, {})[tuple(message.robots)] = message
     return found
 

@@ -32,7 +32,7 @@ from lexstack_ros.node.readiness import READY
 from lexstack_testing.played_run import apart, together
 from support.logs import until_printed
 from support.planned_loop import PlannedLoop
-from support.runs import acceleration_ratio, chi_by_tick, read
+from support.runs import acceleration_ratio, chi_by_tick, read, transitions
 from support.scenario import CONFIG, team
 
 pytestmark = pytest.mark.system
@@ -55,10 +55,9 @@ def delivery(tmp_path_factory):
     return folder, results
 
 
-def transitions(run_folder, robot):
+def transitions_of(run_folder, robot):
     """Return the transition states of one robot's arm and base, in order."""
-    topic = "/robot_a/transition"
-    return [m for m in read(run_folder / "bag", topic)[topic] if robot in m.robots]
+    return [m for m in transitions(run_folder / "bag") if robot in m.robots]
 
 
 def largest_acceleration(run_folder):
@@ -73,7 +72,7 @@ def test_a_follows_the_plans_of_both_robots_and_goes_back(delivery, name, robot,
     folder, results = delivery
     result, plan = results[name], f"plan_{robot}"
     assert (result.success, result.done, result.message) == (True, 2, "")
-    states = transitions(folder, robot)
+    states = transitions_of(folder, robot)
     stacks = list(dict.fromkeys(m.to_stack for m in states if m.phase == TransitionStatus.BLENDING))
     assert stacks == [plan, "posture"]
     assert {m.source for m in states if m.to_stack == plan and m.tick > begin} == {"htmpc"}
@@ -253,7 +252,7 @@ def test_the_plan_s_loss_brings_a_to_rest_and_the_next_sequences_are_taken(tmp_p
         watch = KillAndAskAgain(run)
         with pytest.raises(EnoughSeenError):
             run.play(watch)
-    states = transitions(tmp_path, "robot_a")
+    states = transitions_of(tmp_path, "robot_a")
     lost = next(m for m in states if "the MPC lost at tick" in m.reason)
     assert lost.tick >= watch.killed - 10
     assert "come to rest" in lost.reason

@@ -20,7 +20,7 @@ from lexstack_ros.messages.conversions import pose_message
 from lexstack_ros.messages.qos import LATCHED
 from lexstack_testing.played_run import apart, together
 from lexstack_testing.user import User
-from support.runs import acceleration_ratio, read, short_scenario
+from support.runs import acceleration_ratio, read, short_scenario, transitions
 from support.scenario import CONFIG, home, team
 
 pytestmark = pytest.mark.system
@@ -42,9 +42,9 @@ def test_a_stream_without_stamps_loses_no_b_and_the_blend_takes_its_time(tmp_pat
     with together(stream("lockstep"), tmp_path) as run:
         run.play()
         assert run.end() == []
-    topics = ("/robot_a/transition", "/robot_a/chi", "/robot_b/chi", "/robot_a/references")
+    topics = ("/robot_a/chi", "/robot_b/chi", "/robot_a/references")
     found = read(tmp_path / "bag", *topics)
-    told = found["/robot_a/transition"]
+    told = transitions(tmp_path / "bag")
     assert len(found["/robot_a/references"]) > 100, "the stream came"
     assert {status.reason for status in told} == {""}
     blend = [status.tick for status in told if status.source == "robot_b"]

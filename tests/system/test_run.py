@@ -14,7 +14,7 @@ from lexstack_config.resolved import load_scenario
 from lexstack_interfaces.msg import TransitionStatus
 from lexstack_testing.played_run import apart, together
 from support.logs import until_printed
-from support.runs import acceleration_ratio, chi_by_tick, read, short_scenario
+from support.runs import acceleration_ratio, chi_by_tick, read, short_scenario, transitions
 from support.scenario import ROOT, SCENARIO, changed, team
 
 pytestmark = pytest.mark.system
@@ -113,7 +113,7 @@ def test_realtime_completes_and_counts_late_ticks(tmp_path):
     assert late[stopped[0] + 50] >= late[stopped[0] - 1] + 1
     assert late[400] < 100, "and a tick that is in time is not late"
     assert acceleration_ratio(tmp_path / "bag", LIMIT, 0.01) <= 1.0001
-    phases = [m.phase for m in read(tmp_path / "bag", "/robot_a/transition")["/robot_a/transition"]]
+    phases = [m.phase for m in transitions(tmp_path / "bag")]
     assert TransitionStatus.ADOPTING in phases
 
 
@@ -143,7 +143,7 @@ def test_kill_9_of_robot_b_while_it_blends(tmp_path, mode):
     commands = read(bag, "/robot_a/chi")["/robot_a/chi"]
     assert sum(m.empty_bounds for m in commands) == 0
     assert commands[-1].tick == 399, "the motion goes on"
-    statuses = read(bag, "/robot_a/transition")["/robot_a/transition"]
+    statuses = transitions(bag)
     assert "the solver lost at tick" in statuses[-1].reason
     assert "local" in {m.source for m in statuses}
     assert statuses[-1].to_stack == "reach_base"

@@ -14,7 +14,7 @@ from lexstack_config.scenario import EventConfig
 from lexstack_experiments.loop import Loop
 from lexstack_interfaces.msg import TransitionStatus
 from lexstack_testing.played_run import together
-from support.runs import chi_by_tick, read
+from support.runs import chi_by_tick, read, transitions
 from support.scenario import CONFIG
 
 pytestmark = pytest.mark.system
@@ -62,7 +62,7 @@ def test_two_solvers_give_the_very_motion_of_one(tmp_path):
     assert {tuple(m.robots) for m in by_solver["stack_solver"]} == {tuple(robots[:2])}
     second = {(m.stack, tuple(m.robots)) for m in by_solver["stack_solver_2"]}
     assert second == {("reach_base", tuple(robots[2:])), ("one", (robots[3],))}
-    told = read(bag, "/robot_a/transition")["/robot_a/transition"]
+    told = transitions(bag)
     blends = [m for m in told if m.phase == TransitionStatus.BLENDING]
     assert {m.to_stack for m in blends} == {"reach_base", "one"}
     assert {m.source for m in blends} == {"robot_b"}

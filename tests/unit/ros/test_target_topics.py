@@ -28,7 +28,7 @@ from lexstack.tasks import LevelConfig, StackConfig, TaskConfig
 from lexstack_config.reference_topics import ReferenceTopicsConfig
 from lexstack_config.resolved import load_robot
 from lexstack_ros.controller.target_topics import TargetTopics
-from lexstack_ros.intake import frames
+from lexstack_ros.intake import transform_topics
 from lexstack_ros.messages.conversions import to_time
 from support.scenario import CONFIG, home, state_at, team
 
@@ -360,30 +360,34 @@ def hear(bench, parent, child, position, stamp=0.0, *, static=False):
     bench.topics._frames.transforms.hear([message], static=static)
 
 
-def tree(*children, stamp=0.0):
+def tree(*children, stamp=0.0, x=0.0):
     """Return the bytes of a message of /tf."""
     transforms = [TransformStamped(child_frame_id=child) for child in children]
     for each in transforms:
         header(each, "world", stamp)
         each.transform.rotation.w = 1.0
+        each.transform.translation.x, each.transform.translation.z = x, 0.5
     return serialize_message(TFMessage(transforms=transforms))
 
 
-def test_of_the_plants_own_tree_nothing_is_kept_and_the_second_message_is_not_decoded(
-    bench, monkeypatch
-):
+def test_of_the_plants_own_tree_only_what_its_states_do_not_say_is_read(bench, monkeypatch):
+    bench.go(10)
     own = ("robot_a/base", "robot_a/panda_link3", "robot_b/tool", "robot_b/odom", "/robot_a/world")
     _, take = bench.node.listeners["/tf"]
+    transforms = bench.topics._frames.transforms
     take(tree(*own))
-    assert bench.topics._frames.transforms.frames == ()
-    decoded = []
-    monkeypatch.setattr(frames, "deserialize_message", lambda data, _kind: decoded.append(data))
-    take(tree(*own, stamp=1.0))
-    assert decoded == []
+    assert transforms.frames == ()
+    take(tree(*own[:2], "robot_a/camera", *own[2:]))
+    monkeypatch.setattr(
+        transform_topics, "deserialize_message", None
+    )  # from now on nothing is decoded
+    take(tree(*own[:2], "robot_a/camera", *own[2:], stamp=0.09, x=0.25))
     monkeypatch.undo()
-    take(tree(*own[:-1], "robot_a/camera"))  # a user's, on a robot
-    take(tree(*own[:-1], "robot_c"))
-    assert set(bench.topics._frames.transforms.frames) >= {"robot_a/camera", "robot_c"}
+    assert transforms.frames == ("robot_a/camera",)
+    bench.send("/robot_a/ee_target", goal((0.0, 0.1, 0.0), frame="robot_a/camera", stamp=0.09))
+    np.testing.assert_allclose(bench.go().at(5.0).ee[0].position, [0.25, 0.1, 0.5], atol=1e-12)
+    take(tree("robot_c"))
+    assert set(transforms.frames) == {"robot_a/camera", "robot_c"}
 
 
 def test_bytes_that_are_no_transforms_are_counted(bench):

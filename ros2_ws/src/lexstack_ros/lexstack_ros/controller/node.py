@@ -36,7 +36,7 @@ from lexstack_ros.node.spin import run_node
 _SOURCE = "/robot_b/chi"
 _OF_SOURCE = ("tick", "robots", "stack", "transition_id", "references", "chi", "slacks", "status")
 _LATE_START = 1.0  # s of simulated time: whoever comes later has been there before, or should have
-_LOOK = 0.02  # s of wall time between two looks whether the wait for the solver is over
+_EARLY = 1e-4  # s, by which a timer may come too early
 
 
 class HqpControllerNode(Node):
@@ -83,7 +83,8 @@ class HqpControllerNode(Node):
         self._source = self.create_subscription(
             Chi, relative(_SOURCE), self._on_source, STREAM, raw=True
         )
-        self.create_subscription(JointTrajectory, relative(PLAN), self._on_plan, STREAM)
+        self._read_plan = Reader(JointTrajectory, PLAN)
+        self.create_subscription(JointTrajectory, relative(PLAN), self._on_plan, STREAM, raw=True)
         self._scenario_out = tell_scenario(self, self._resolved)
         self._requests = Requests(
             self,
@@ -93,7 +94,7 @@ class HqpControllerNode(Node):
             on_stack=self._targets.add_frames,
         )
         wall = Clock(clock_type=ClockType.STEADY_TIME)
-        self._look = self.create_timer(_LOOK, self._on_look, clock=wall)
+        self._timer = self.create_timer(self._patience, self._on_timer, clock=wall)
         self._peer_watch = PeerWatch(self)
         Diagnostics(self, self._health)
         self._states = PlantStates(
@@ -144,23 +145,35 @@ class HqpControllerNode(Node):
                 continue
             self._serve(wait=True)
 
-    def _on_plan(self, message: JointTrajectory) -> None:
+    def _on_plan(self, data: bytes) -> None:
         """Take a plan of the HTMPC."""
         try:
-            plan = to_plan(message, self._parts.team, self._resolved.scenario.rate)
+            plan = to_plan(self._read_plan(data), self._parts.team, self._resolved.scenario.rate)
         except InputError as error:
             self._states.refuse(error)
             return
         self._controller.transition.hear_plan(plan)
         self._serve(wait=True)
 
-    def _on_look(self) -> None:
-        """Serve a state whose source did not answer in time: it counts as lost."""
+    def _on_timer(self) -> None:
+        """Serve a state whose source did not answer in time: it counts as lost.
+
+        The deadline moves with every state that waits, the timer only when it is there: it comes
+        once in the time of a deadline, not once a tick.
+        """
+        left = self._deadline - time.monotonic()
         if self._state is None:
-            self._look.cancel()  # until a state waits again
-        elif time.monotonic() >= self._deadline:
+            self._timer.cancel()  # until a state waits again
+        elif left > _EARLY:
+            self._let_come(left)
+        else:
             self._late += 1
             self._serve(wait=False)
+
+    def _let_come(self, seconds: float) -> None:
+        """Let the timer come in so many seconds."""
+        self._timer.timer_period_ns = round(1e9 * seconds)
+        self._timer.reset()
 
     def _serve(self, *, wait: bool) -> None:
         """Send the command for the state at hand, unless it must wait for the source."""
@@ -168,8 +181,8 @@ class HqpControllerNode(Node):
         if state is None:
             return
         if wait and self._controller.awaits(state):
-            if self._look.is_canceled():
-                self._look.reset()
+            if self._timer.is_canceled():
+                self._let_come(self._patience)
             return
         self._state = None
         command = self._controller.tick(state)

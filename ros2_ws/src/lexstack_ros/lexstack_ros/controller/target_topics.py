@@ -19,7 +19,8 @@ from lexstack.robots import Team
 from lexstack.tasks import StackConfig
 from lexstack.types import RobotState
 from lexstack_config.reference_topics import ReferenceTopicsConfig
-from lexstack_ros.intake.frames import Frames, listen
+from lexstack_ros.intake.frames import Frames
+from lexstack_ros.intake.transform_topics import listen
 from lexstack_ros.intake.transforms import EarlyError
 from lexstack_ros.messages.conversions import to_base_target, to_ee_target
 from lexstack_ros.messages.names import relative

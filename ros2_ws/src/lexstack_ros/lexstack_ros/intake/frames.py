@@ -11,19 +11,14 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from rclpy.node import Node
-from rclpy.serialization import deserialize_message
 from std_msgs.msg import Header
-from tf2_msgs.msg import TFMessage
 
 from lexstack.errors import InputError, ModelError
 from lexstack.options import shown
 from lexstack.robots import Pose, Team, from_rpy
 from lexstack.types import RobotState, Vector
 from lexstack_ros.intake.transforms import EarlyError, History, Transforms, between
-from lexstack_ros.messages.cdr import Layout, fields_of
 from lexstack_ros.messages.conversions import WORLD, to_stamp
-from lexstack_ros.messages.qos import STATIC_TRANSFORMS, TRANSFORMS
 
 _BASE, _BASE_LINK = "base", "base_link"
 _FIXED = ("odom", WORLD)
@@ -132,41 +127,3 @@ def _upright(place: Vector) -> Pose:
     """Return x, y, yaw as a pose on the floor."""
     x, y, yaw = (float(value) for value in place)
     return Pose(np.array([x, y, 0.0]), from_rpy((0.0, 0.0, yaw)))
-
-
-class _Hearing:
-    """Takes the messages of /tf or /tf_static; those of the plant are not decoded.
-
-    The plant tells the frames of all robots' links, fifty times a second. They are known from its
-    states, and a message of them takes a millisecond to decode.
-    """
-
-    def __init__(self, frames: Frames, *, static: bool) -> None:
-        """Hand transforms on to those of ``frames``."""
-        self._frames = frames
-        self._static = static
-        self._of_robots: Layout | None = None  # of the last message with robots' frames alone
-
-    def __call__(self, data: bytes) -> None:
-        """Take a message."""
-        if self._of_robots is not None and self._of_robots.fits(data):
-            return
-        try:
-            transforms = deserialize_message(data, TFMessage).transforms
-        except RuntimeError:  # bytes that are no message
-            self._frames.transforms.refused += 1
-            return
-        if transforms and all(self._frames.owns(each.child_frame_id) for each in transforms):
-            self._of_robots = Layout(fields_of(TFMessage), data)
-        else:
-            self._frames.transforms.hear(transforms, static=self._static)
-
-
-def listen(node: Node, frames: Frames) -> None:
-    """Subscribe to /tf and /tf_static."""
-    for topic, static, qos in (
-        ("tf", False, TRANSFORMS),
-        ("tf_static", True, STATIC_TRANSFORMS),
-    ):
-        hear = _Hearing(frames, static=static)
-        node.create_subscription(TFMessage, topic, hear, qos, raw=True)

@@ -15,7 +15,7 @@ from lexstack.mpc import COLUMNS, Plan, Progress, SequenceTask
 from lexstack.options import shown
 from lexstack.robots import BASE_JOINTS, DRIVE, TOOL, Team, from_rpy, to_quaternion
 from lexstack.transition import HeardPlan
-from lexstack.types import RobotState
+from lexstack.types import Matrix, RobotState
 from lexstack_interfaces.msg import Sequence, SequenceStatus
 from lexstack_interfaces.msg import SequenceTask as TaskMessage
 from lexstack_ros.messages.conversions import stamped, to_array, to_seconds, to_vector
@@ -39,11 +39,7 @@ def plan_message(plan: Plan, names: list[str]) -> JointTrajectory:
     Joints without a position, v and w of a differential base, have 0 for one.
     """
     message = stamped(JointTrajectory(joint_names=names), plan.stamp)
-    inputs = np.concatenate((plan.u, np.zeros((1, plan.u.shape[1]))))
-    positions = plan.q
-    if plan.q.shape[1] != plan.v.shape[1]:
-        without = np.zeros((len(plan.q), len(DRIVE)))
-        positions = np.concatenate((without, plan.q[:, len(BASE_JOINTS) :]), axis=1)
+    positions, inputs = positions_of(plan), inputs_of(plan)
     for k in range(len(plan.q)):
         nanoseconds = round(1e9 * k * plan.step)
         message.points.append(
@@ -57,7 +53,20 @@ def plan_message(plan: Plan, names: list[str]) -> JointTrajectory:
     return message
 
 
-def to_plan(message: JointTrajectory, team: Team, rate: float) -> HeardPlan:
+def positions_of(plan: Plan) -> Matrix:
+    """Return the positions of a plan as they stand in a message, shape (N + 1, n)."""
+    if plan.q.shape[1] == plan.v.shape[1]:
+        return plan.q
+    without = np.zeros((len(plan.q), len(DRIVE)))
+    return np.concatenate((without, plan.q[:, len(BASE_JOINTS) :]), axis=1)
+
+
+def inputs_of(plan: Plan) -> Matrix:
+    """Return the input that begins at each state, none at the last one, shape (N + 1, n)."""
+    return np.concatenate((plan.u, np.zeros((1, plan.u.shape[1]))))
+
+
+def to_plan(message: Any, team: Team, rate: float) -> HeardPlan:
     """Return a plan for the controller, ``rate`` in ticks per second; raises InputError."""
     robot = robot_of(message.joint_names, team)
     if not 2 <= len(message.points) <= _MOST_POINTS:

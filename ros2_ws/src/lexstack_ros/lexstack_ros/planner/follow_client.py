@@ -46,8 +46,8 @@ class FollowClient:
         self._blend = resolved.scenario.transition.duration
         self._on_answer = on_answer
         self._requested: dict[Future, tuple[Job, bool, float]] = {}
-        # They come at every tick, and are looked at where a plan or a goal asks: kept as they came.
-        # Of two ticks, and of every robot at most one at a tick.
+        # Looked at where a plan or a goal asks: kept as they came. Of two ticks at which they came,
+        # and of every robot at most one at a tick.
         self._statuses: deque[bytes] = deque(maxlen=2 * len(team.names))
         self._client = node.create_client(SwitchStack, "robot_a/switch_stack")
         node.create_subscription(
@@ -56,7 +56,8 @@ class FollowClient:
         # Of these the stacks that users sent: the way back may lead to one of them.
         node.create_subscription(StackRequest, relative(REQUEST), self._on_announced, LATCHED)
         wall = Clock(clock_type=ClockType.STEADY_TIME)
-        node.create_timer(_LOOK, self._on_look, clock=wall)
+        self._timer = node.create_timer(_LOOK, self._on_look, clock=wall)
+        self._timer.cancel()  # until an answer is awaited
 
     @property
     def pending(self) -> bool:
@@ -108,6 +109,8 @@ class FollowClient:
         future = self._client.call_async(request)
         self._requested[future] = job, back, time.monotonic() + _ANSWER
         future.add_done_callback(partial(self._on_done))
+        if self._timer.is_canceled():
+            self._timer.reset()
 
     def _on_done(self, future: Future) -> None:
         """Hand an answer on."""
@@ -118,6 +121,8 @@ class FollowClient:
 
     def _on_look(self) -> None:
         """Take an answer that does not come for a refusal."""
+        if not self._requested:
+            self._timer.cancel()
         for future, (job, back, end) in list(self._requested.items()):
             if time.monotonic() > end:
                 del self._requested[future]

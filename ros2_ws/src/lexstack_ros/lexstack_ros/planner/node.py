@@ -20,10 +20,10 @@ from lexstack_interfaces.action import ExecuteSequence
 from lexstack_interfaces.msg import Sequence, SequenceStatus
 from lexstack_ros.intake.plant_states import PlantStates
 from lexstack_ros.messages.names import relative
+from lexstack_ros.messages.plan_bytes import PlanBytes
 from lexstack_ros.messages.plans import (
     PLAN,
     joint_names,
-    plan_message,
     sequence_message,
     status_message,
     to_points,
@@ -67,6 +67,7 @@ class HtmpcNode(Node):
         named = {entry.robot for entry in scenario.sequences.values()}
         for robot in sorted(map(self._team.index, named or scenario.robots)):
             self._runner(robot)
+        self._bytes_of = PlanBytes()
         self._plan_out = self.create_publisher(JointTrajectory, relative(PLAN), STREAM)
         self._status_out = self.create_publisher(SequenceStatus, "htmpc/status", STREAM)
         self._sequence_out = self.create_publisher(Sequence, "htmpc/sequence", LATCHED)
@@ -213,7 +214,7 @@ class HtmpcNode(Node):
             job.stage = Stage.RUNNING
             self._announce(job.robot, event)
         progress = runner.step(state, plans_of(self._runners))
-        self._plan_out.publish(plan_message(progress.plan, joint_names(self._team, job.robot)))
+        self._plan_out.publish(self._bytes_of(progress.plan, joint_names(self._team, job.robot)))
         status = status_message(progress, state, name, job.architecture)
         self._status_out.publish(status)
         job.tell(status)

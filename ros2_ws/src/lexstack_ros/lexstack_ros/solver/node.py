@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from time import perf_counter
 
 import numpy as np
@@ -22,9 +23,10 @@ from lexstack_config.sent_stacks import fit_stack, read_stack
 from lexstack_interfaces.msg import Chi, References, StackRequest
 from lexstack_ros.controller.references import KEPT, HeardReferences, load_ahead
 from lexstack_ros.intake.plant_states import PlantStates
-from lexstack_ros.messages.conversions import WORLD, to_announcement, to_array, to_seconds, to_time
+from lexstack_ros.messages.conversions import to_announcement, to_seconds
 from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import LATCHED, LATEST, STREAM
+from lexstack_ros.messages.solution_bytes import SolutionBytes
 from lexstack_ros.node.diagnostics import Diagnostics, Health, Meter, first
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
 from lexstack_ros.node.parameters import count_parameter, scenario_parameter
@@ -53,8 +55,7 @@ class StackSolverNode(Node):
         self._failures = 0
         self._failed = ""  # why a stack was not solved since the last report
         self._meter = Meter()
-        self._chi = Chi(robots=list(self._parts.team.names), sender=sender_name(self))
-        self._chi.header.frame_id = WORLD
+        self._bytes_of = SolutionBytes(sender_name(self))
         self._chi_out = self.create_publisher(Chi, "robot_b/chi", STREAM)
         team = self._parts.team
         self._references = HeardReferences(self, team, on_news=self._on_references)
@@ -156,26 +157,34 @@ class StackSolverNode(Node):
         solution = self._solver.solve(stack, kinematics, references)
         bounds = self._solver.bounds(stack, kinematics)
         solve_time = perf_counter() - begun
-        chi = self._chi
-        _head(chi, state, wanted)
-        chi.references = references.revision
-        vectors = solution.chi, bounds.lower, bounds.upper
+        names: Sequence[str] = team.names
+        vectors = {"chi": solution.chi, "lower": bounds.lower, "upper": bounds.upper}
         if self._resolved.scenario.solvers > 1:
             robots = range(len(team.robots)) if stack.robots is None else stack.robots
-            chi.robots = [team.names[robot] for robot in robots]
-            vectors = tuple(vector[team.columns(robots)] for vector in vectors)
-        chi.chi, chi.lower, chi.upper = (to_array(vector) for vector in vectors)
-        chi.slacks = to_array(solution.slacks)
+            names = [team.names[robot] for robot in robots]
+            vectors = {name: each[team.columns(robots)] for name, each in vectors.items()}
         usable = solution.solved and bool(np.isfinite(solution.chi).all())
-        chi.status = Chi.SOLVED if usable else Chi.FAILED
-        chi.reason = solution.reason or solution.undamped or near_singularity(solution.near)
-        chi.empty_bounds = bounds.empty
-        chi.solve_time = solve_time
+        reason = solution.reason or solution.undamped or near_singularity(solution.near)
         self._meter.add(solve_time)
-        self._chi_out.publish(chi)
+        self._chi_out.publish(
+            self._bytes_of(
+                state.stamp,
+                names,
+                {"stack": wanted.stack, "reason": reason},
+                {**vectors, "slacks": solution.slacks},
+                {
+                    "tick": state.tick,
+                    "transition_id": wanted.id,
+                    "references": references.revision,
+                    "status": Chi.SOLVED if usable else Chi.FAILED,
+                    "empty_bounds": bounds.empty,
+                    "solve_time": solve_time,
+                },
+            )
+        )
         if not usable:
             self._failures += 1
-            self._failed = f"not solved: {chi.stack}: {chi.reason or 'chi is not finite'}"
+            self._failed = f"not solved: {wanted.stack}: {reason or 'chi is not finite'}"
             self.get_logger().warning(solution.reason, throttle_duration_sec=1.0)
 
     def _restart(self) -> None:
@@ -202,14 +211,6 @@ class StackSolverNode(Node):
             error=failed,
             stale=self._states.delays.silent,
         )
-
-
-def _head(chi: Chi, state: RobotState, wanted: Announcement) -> None:
-    """Write what the chi is for."""
-    chi.header.stamp = to_time(state.stamp)
-    chi.tick = state.tick
-    chi.stack = wanted.stack
-    chi.transition_id = wanted.id
 
 
 def main() -> int:
