@@ -2,6 +2,7 @@
 
 import shutil
 import sys
+import xml.etree.ElementTree as ET
 
 import pytest
 
@@ -20,6 +21,18 @@ KEYS = {
     "pyyaml": "python3-yaml",
     "scipy": "python3-scipy",
 }
+
+
+ROSDEP = {
+    *KEYS.values(),
+    "python3-pytest",
+    # Packages of Jazzy; those that this workspace builds itself are left out.
+    *("action_msgs", "ament_cmake", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs"),
+    *("launch", "launch_ros", "nav_msgs", "rcl_interfaces", "rclpy", "rosgraph_msgs"),
+    *("rosidl_default_generators", "rosidl_default_runtime", "sensor_msgs", "std_msgs"),
+    *("std_srvs", "trajectory_msgs", "visualization_msgs"),
+}
+"""Keys of rosdep, by rosdep/python.yaml and jazzy/distribution.yaml of rosdistro."""
 
 
 def name_of(requirement):
@@ -42,6 +55,17 @@ def test_setup_and_package_xml_name_the_same(package):
     assert {name for name in listed if name.startswith("python3-")} == {
         KEYS[name] for name in required if name in KEYS
     }
+
+
+def test_every_key_of_every_package_is_known_to_rosdep():
+    """What rosdep could not resolve, it would stop at on a user's machine."""
+    files = [*(ROOT / "ros2_ws/src").glob("*/package.xml")]
+    own = {file.parent.name for file in files}
+    for file in files:
+        tags = [e for e in ET.parse(file).getroot() if e.tag.endswith("depend")]
+        names = {tag.text for tag in tags}
+        assert names - own <= ROSDEP, file.parent.name
+        assert len(names) > 0
 
 
 @pytest.mark.parametrize(

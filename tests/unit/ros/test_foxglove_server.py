@@ -50,7 +50,7 @@ class Served:
 def served():
     with ros_session(children=False) as context:
         node = rclpy.create_node("shows", context=context)
-        found = Served(node, Foxglove(node, "0", meshes_of(team())))
+        found = Served(node, Foxglove(node, 0, meshes_of(team())))
         yield found
         for client in found.clients:
             client.close()
@@ -133,7 +133,7 @@ def test_a_port_that_is_none_is_refused(port):
 def test_a_port_that_is_taken_is_told(served):
     port = served.server.url.rpartition(":")[2]
     with pytest.raises(ConfigurationError, match=f"port {port}"):
-        Foxglove(served.node, port)
+        Foxglove(served.node, int(port))
 
 
 def test_where_the_package_is_missing_one_line_says_so(monkeypatch):

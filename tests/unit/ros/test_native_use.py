@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
-import types
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from lexstack_bringup.processes import MODULES, executable_of, nodes_of
 from lexstack_config import own_folder
 from lexstack_config.resolved import ResolvedScenario
+from support.launch_file import IS_HERE, loaded, stand_in
 from support.scenario import CONFIG, ROOT
-
-LAUNCH = ROOT / "ros2_ws/src/lexstack_bringup/launch/run.launch.py"
-IS_HERE = importlib.util.find_spec("launch") and importlib.util.find_spec("launch_ros")
-
 
 # ---- configuration
 
@@ -55,44 +48,11 @@ def test_configuration_is_the_clones_and_else_the_installed_one(tmp_path, monkey
 # ---- launch
 
 
-class Made(SimpleNamespace):
-    """An action of launch as it was made."""
-
-    def __init__(self, *arguments, **given):
-        super().__init__(arguments=arguments, **given)
-
-
 @pytest.fixture
 def launch_file(monkeypatch):
     """Return the launch file as a module, loaded with a stand-in for launch."""
-    configuration = type(
-        "LaunchConfiguration",
-        (),
-        {
-            "__init__": lambda self, name: setattr(self, "name", name),
-            "perform": lambda self, context: context[self.name],
-        },
-    )
-    actions = ("DeclareLaunchArgument", "OpaqueFunction", "Shutdown")
-    for name, content in {
-        "launch": {"LaunchContext": dict, "LaunchDescription": Made},
-        "launch.actions": dict.fromkeys(actions, Made),
-        "launch.substitutions": {"LaunchConfiguration": configuration},
-        "launch_ros": {},
-        "launch_ros.actions": {"Node": Made},
-    }.items():
-        module = types.ModuleType(name)
-        vars(module).update(content)
-        monkeypatch.setitem(sys.modules, name, module)
+    stand_in(monkeypatch)
     return loaded()
-
-
-def loaded():
-    """Return the launch file as a module."""
-    spec = importlib.util.spec_from_file_location("run_launch", LAUNCH)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def test_launch_takes_the_file_or_is_not_installed():

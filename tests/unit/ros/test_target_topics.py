@@ -198,6 +198,41 @@ def test_a_twist_in_the_axes_of_the_tool(bench):
     np.testing.assert_allclose(linear, 0.1 * tool().rotation[:, 2], atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("frame", "axes"),
+    [
+        ("", 0.0),
+        ("world", 0.0),
+        ("robot_a/odom", 0.0),
+        ("robot_a/base", 1.0),
+        ("robot_b/tool", 2.0),
+    ],
+)
+def test_a_twist_of_a_base_in_the_axes_of_its_frame(bench, frame, axes):
+    q = home()
+    q[2] = 1.0  # yaw of robot_a, seen by its frames
+    bench.send(
+        "/robot_a/base_target", goal((q[0], q[1], 0.0), (0.0, 0.0, math.sin(0.5), math.cos(0.5)))
+    )
+    bench.go(60, q)
+    angular = (0.0, 0.0, 0.0)
+    linear = (0.0, 0.1, 0.0) if axes == 2.0 else (0.1, 0.0, 0.0)
+    bench.send("/robot_a/base_twist", twist(linear, angular, frame=frame)).go(2, q)
+    rate = bench.at(0.01 * bench.tick + 0.15).motion.bases[0]
+    yaw = 1.0 if axes == 1.0 else 0.0
+    if axes == 2.0:  # y of a tool that looks down
+        down = team().tools(q)[1].rotation[:, 1]
+        yaw = math.atan2(down[1], down[0])
+    np.testing.assert_allclose(rate, (0.1 * math.cos(yaw), 0.1 * math.sin(yaw), 0.0), atol=1e-6)
+
+
+def test_a_twist_of_a_base_fades_when_no_other_one_comes(bench):
+    bench.go(10).send("/robot_a/base_twist", twist((0.1, 0.0, 0.0), (0.0, 0.0, 0.3))).go()
+    np.testing.assert_allclose(bench.at(0.3).motion.bases[0], (0.1, 0.0, 0.3), atol=1e-9)
+    assert 0 not in bench.at(1.0).motion.bases
+    assert bench.at(1.0).base[0][0] > home()[0] + 0.015
+
+
 def test_timed_poses_are_met_at_their_times(bench):
     first, second = moved(tool(), 0.1, 0.0, 0.0), moved(tool(), 0.1, 0.2, 0.0)
     bench.go(4).send("/robot_a/ee_trajectory", way(first, second, stamp=2.0)).go(250)
@@ -452,6 +487,11 @@ JOINTS = list(team().robots[0].joints[3:])
         ("ee_twist", twist((99.0, 0, 0)), "twist: 99, at most 10"),
         ("ee_twist", twist(stamp=0.05), "header.stamp: it is 0.270 s old, at most 0.2 s"),
         ("ee_twist", twist(frame="nowhere"), "frame_id: unknown 'nowhere'"),
+        ("base_twist", twist((0, 0, 0.1)), "a base moves on the floor"),
+        ("base_twist", twist(angular=(0.1, 0, 0)), "a base moves on the floor"),
+        ("base_twist", twist((math.inf, 0, 0)), "twist[0]: must be finite"),
+        ("base_twist", twist(stamp=0.05), "header.stamp: it is 0.270 s old, at most 0.2 s"),
+        ("base_twist", twist(frame="robot_a/no"), "frame_id: unknown 'robot_a/no'"),
         ("ee_trajectory", way(*TWO, names=["nose"]), "joint_names: robot robot_a: no frame 'nose'"),
         ("ee_trajectory", way(*TWO, names=["tool", "tool"]), "a frame stands in it twice"),
         ("ee_trajectory", way(*TWO, names=["tool", ELBOW]), "transforms: expected 2, got 1"),

@@ -9,6 +9,7 @@ from rclpy.serialization import serialize_message
 from rosbags.typesys import Stores, get_typestore
 from visualization_msgs.msg import Marker
 
+from lexstack.references import Motion
 from lexstack.robots import ObstacleConfig
 from lexstack.types import PlantStatus
 from lexstack_config.parts import build_references, build_team
@@ -102,6 +103,20 @@ def test_a_horizon_is_drawn_and_taken_away():
     assert [xyz(point) for point in line[1].points] == points.tolist()
     assert line[0].action == Marker.DELETE
     assert by_name(markers.message(picture()))["horizons"][1].action == Marker.DELETE
+
+
+def test_references_of_further_frames_come_and_go():
+    markers, frame = Markers(TEAM), (1, "panda_link5")
+    pose = TEAM.tools(home())[1]
+    known = picture().references
+    framed = replace(known, motion=Motion(frames={frame: pose}))
+    (axes,) = by_name(markers.message(replace(picture(), references=framed)))[
+        "reference of robot_b/panda_link5"
+    ].values()
+    assert np.allclose(xyz(axes.points[0]), pose.position)
+    (gone,) = by_name(markers.message(picture()))["reference of robot_b/panda_link5"].values()
+    assert (gone.action, gone.id) == (Marker.DELETE, axes.id)
+    assert "reference of robot_b/panda_link5" not in by_name(markers.message(picture()))
 
 
 def test_every_marker_has_one_name_and_stands_in_the_world():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 
 from lexstack.transition import TransitionConfig
@@ -215,6 +217,22 @@ def test_bad_arguments_of_the_demo_give_one_line_and_exit_code_2(run_command, ar
     assert done.returncode == 2
     assert message in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("port", "message"),
+    [
+        ((), "error: Foxglove: the package foxglove-sdk is not there: pip install foxglove-sdk"),
+        (("65536",), "error: foxglove: expected a port from 0 to 65535, got '65536'"),
+    ],
+)
+def test_without_foxglove_or_with_no_port_nothing_starts(
+    tmp_path, run_command, monkeypatch, port, message
+):
+    monkeypatch.setitem(sys.modules, "foxglove", None)
+    done = run_command(DEMO, "--out", tmp_path / "run", "--foxglove", *port)
+    assert (done.returncode, done.stderr) == (2, f"{message}\n")
+    assert not (tmp_path / "run").exists()
 
 
 def test_an_extension_that_is_not_there_is_told_before_anything_starts(tmp_path, run_command):

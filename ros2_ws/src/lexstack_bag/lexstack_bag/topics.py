@@ -39,6 +39,7 @@ TARGETS = {
     "ee_twist": "geometry_msgs/msg/TwistStamped",
     "ee_trajectory": "trajectory_msgs/msg/MultiDOFJointTrajectory",
     "base_target": "geometry_msgs/msg/PoseStamped",
+    "base_twist": "geometry_msgs/msg/TwistStamped",
     "base_path": "nav_msgs/msg/Path",
     "posture_trajectory": "trajectory_msgs/msg/JointTrajectory",
 }

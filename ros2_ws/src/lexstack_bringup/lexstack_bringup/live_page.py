@@ -48,8 +48,8 @@ class Views:
     def of(cls, options: argparse.Namespace) -> Views:
         """Return what a command line asks for; raises ConfigurationError."""
         if options.foxglove:
-            check_foxglove(options.foxglove)
-        return cls(options.view, options.foxglove)
+            return cls(options.view, str(check_foxglove(options.foxglove)))
+        return cls(options.view)
 
     def start(self, supervisor: Supervisor, scenario: Path, naming: Naming) -> None:
         """Start what is asked for, and print the addresses."""
@@ -75,7 +75,7 @@ def start_page(
     Raises:
         ChildDiedError: it ended; NotReadyError: it did not serve in time.
     """
-    given = {"scenario": str(scenario)} | ({"foxglove": f"'{foxglove}'"} if foxglove else {})
+    given = {"scenario": str(scenario)} | ({"foxglove": foxglove} if foxglove else {})
     arguments = arguments_of(PAGE, given, naming)
     child = supervisor.start(PAGE, "lexstack_ros.view.node", arguments)
     supervisor.wait_printed([PAGE], READY, _TIMEOUT)

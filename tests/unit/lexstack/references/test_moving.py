@@ -6,6 +6,7 @@ import pytest
 
 from lexstack.errors import InputError
 from lexstack.references import (
+    BaseTwist,
     Hold,
     Moving,
     References,
@@ -35,7 +36,7 @@ def poses(rng, count):
     return [Pose(rng.normal(size=3), pin.exp3(rng.uniform(-1, 1, 3))) for _ in range(count)]
 
 
-def random_target(rng, stamp, kinds=11):
+def random_target(rng, stamp, kinds=12):
     """Return a target of any kind, from now or soon; the last three kinds hold."""
     at = float(rng.choice([0.0, stamp + 0.03]))
     times = max(at, stamp) + np.cumsum(rng.uniform(0.05, 0.4, 4))
@@ -53,6 +54,7 @@ def random_target(rng, stamp, kinds=11):
         Target(at, 0, base=base_spline(times, rng.normal(size=(4, 3)))),
         Target(at, 0, posture=arm[0], begin=arm[1], duration=0.7),
         Target(at, 0, posture=Spline(times, arm, arm_rates)),
+        Target(at, 0, base=BaseTwist(rng.normal(size=3), bool(rng.integers(2)), timeout=0.1)),
         Target(at, 0, ee=Hold(), frame=frame),
         Target(at, 0, base=Hold()),
         Target(at, 0, posture=Hold()),
@@ -103,6 +105,7 @@ def test_whoever_hears_the_decisions_has_the_same_motion_bit_for_bit(seed):
             assert heard.hear(sent(setting))
         assert_same(made.at(stamp), heard.at(stamp))
     assert kinds >= {"fed", "waypoints", "waypoints_twists", "spline", "spline_rates", "twist"}
+    assert "base_twist" in kinds
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -112,7 +115,7 @@ def test_targets_found_in_the_decisions_lead_to_the_same_decisions(seed):
     for tick in range(500):
         stamp = tick * DT
         if tick % 7 == 3:
-            made.add(random_target(rng, stamp, 8))
+            made.add(random_target(rng, stamp, 9))
         made.decide(stamp)
         for setting in made.take_news():
             if last is not None:

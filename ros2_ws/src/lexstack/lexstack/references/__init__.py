@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from lexstack import on_demand
 
 if TYPE_CHECKING:
+    from lexstack.references.base_twist import BaseTwist, BaseTwistStream
     from lexstack.references.encoding import WIDTHS, decode, encode, encode_moving
     from lexstack.references.fading import Fading
     from lexstack.references.moving import Moving
@@ -39,6 +40,7 @@ else:
     __getattr__ = on_demand(
         __name__,
         {
+            "base_twist": "BaseTwist BaseTwistStream",
             "encoding": "WIDTHS decode encode encode_moving",
             "fading": "Fading",
             "moving": "Moving",
@@ -64,6 +66,8 @@ __all__ = [
     "ROUNDING",
     "TOOL",
     "WIDTHS",
+    "BaseTwist",
+    "BaseTwistStream",
     "Fading",
     "Frame",
     "Hold",

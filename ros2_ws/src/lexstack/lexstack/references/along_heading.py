@@ -7,12 +7,22 @@ import math
 import numpy as np
 
 from lexstack.errors import InputError
+from lexstack.references.base_twist import BaseTwist
 from lexstack.references.trajectory import Trajectory
 from lexstack.types import Vector
 
 _SAMPLES = 200
 _LONGEST = 600.0  # s, of a trajectory that never rests
 _SHARE, _SLACK = 0.05, 0.01  # of the speed, and m/s: what a spline through such places may add
+
+
+def check_drives(twist: BaseTwist) -> None:
+    """Raise InputError for a twist that would move a differential base to its side."""
+    if not twist.turning or twist.value[1] != 0.0:
+        raise InputError(
+            "base_target: a differential base cannot move to its side: its twist is told in the "
+            "frame NAME/base, with linear.y 0"
+        )
 
 
 def check_along_heading(path: Trajectory[Vector], begin: float) -> None:

@@ -10,6 +10,8 @@ what is left of the way to it, as of a set-point. A pose is x, y, z, then its ro
     spline            time, value; of each point
     spline_rates      time, value, rate; of each point
     twist             twist, timeout, linear, angular; of its ramp start, pose, twist, duration
+    base_twist        velocity, whether in the axes of the base, timeout, linear, angular; of its
+                      ramp start, place, velocity before, duration
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ import numpy as np
 
 from lexstack.errors import InputError
 from lexstack.options import shown
+from lexstack.references.base_twist import BaseRamp, BaseTwist, BaseTwistStream
 from lexstack.references.fading import Fading
 from lexstack.references.set_point import Led, SetPoint
 from lexstack.references.spaces import BASES, JOINTS, POSES
@@ -151,6 +154,12 @@ def _numbers(goal: Trajectory[Any]) -> tuple[str, Vector]:
         limits = [twist.timeout, twist.linear, twist.angular, ramp.start]
         parts = (twist.value, limits, _row(ramp.pose), ramp.before, [ramp.duration])
         return "twist", np.concatenate(parts)
+    if isinstance(goal, BaseTwistStream):
+        drive, way = goal.twist, goal.follow
+        limits = [float(drive.turning), drive.timeout, drive.linear, drive.angular, way.start]
+        return "base_twist", np.concatenate(
+            (drive.value, limits, way.place, way.before, [way.duration])
+        )
     raise InputError(f"references: a {type(goal).__name__} is not sent: it is of no known kind")
 
 
@@ -240,6 +249,19 @@ def _twist(values: Vector, _size: int) -> TwistStream:
     return TwistStream.along(Ramp(start, pose_of(pose), before, twist.value, duration), twist)
 
 
+def _base_twist(values: Vector, size: int) -> BaseTwistStream:
+    """Return the stream of a base with its ramp."""
+    if size != len(_exactly(values, 15)[:3]):
+        raise InputError("values: only a base has such a twist")
+    turning, timeout, linear, angular, start = (float(value) for value in values[3:8])
+    twist = BaseTwist(values[:3], bool(turning), timeout, linear, angular)
+    duration = float(values[14])
+    if duration <= 0.0:
+        raise InputError("values: the ramp of a twist must last")
+    ramp = BaseRamp(start, values[8:11], values[11:14], twist.value, duration, twist.turning)
+    return BaseTwistStream.along(ramp, twist)
+
+
 def _pose_goal(values: Vector, _size: int) -> Pose:
     """Return the pose."""
     return pose_of(_exactly(values, _POSE))
@@ -255,4 +277,5 @@ _READ: dict[tuple[bool, str], Callable[[Vector, int], Any]] = {
     (False, "fed"): _exactly,
     (False, "spline"): _spline,
     (False, "spline_rates"): _spline_rates,
+    (False, "base_twist"): _base_twist,
 }

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from lexstack.errors import InputError
+from lexstack.references.base_twist import BaseTwistStream
 from lexstack.references.moving import BASE, EE, POSTURE, moving_of
 from lexstack.references.set_point import Led, SetPoint
 from lexstack.references.timeline import Setting
@@ -59,7 +60,7 @@ def _begun(point: Trajectory[Any]) -> bool:
 
 def _goal(point: Trajectory[Any]) -> tuple[Any, float | None]:
     """Return what was asked for, and the time for it where it was not the lead-in."""
-    if isinstance(point, TwistStream):
+    if isinstance(point, TwistStream | BaseTwistStream):
         return point.twist, None
     if isinstance(point, Led):
         fading, times = point.fading, getattr(point.goal, "times", None)

@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from lexstack.errors import InputError
-from lexstack.references.along_heading import check_along_heading
+from lexstack.references.along_heading import check_along_heading, check_drives
+from lexstack.references.base_twist import BaseTwist
 from lexstack.references.set_point import SetPoint
 from lexstack.references.taking import taken
 from lexstack.references.timeline import ROUNDING, ReferenceTimeline, Setting
@@ -150,7 +151,10 @@ class ReferenceSchedule:
             and path is not None
             and not isinstance(path, np.ndarray | Hold)
         ):
-            check_along_heading(path, target.at)
+            if isinstance(path, BaseTwist):
+                check_drives(path)
+            else:
+                check_along_heading(path, target.at)
         kind = target.kind
         if isinstance(target.ee, Twist) and target.frame != TOOL and not self._placed(target):
             raise InputError(f"{kind}: a twist needs a pose to begin from, give that first")

@@ -8,6 +8,7 @@ from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
 
+from lexstack.references.base_twist import BaseTwist, BaseTwistStream
 from lexstack.references.set_point import SetPoint, held, led, led_onto, settled
 from lexstack.references.spaces import BASES, JOINTS, POSES, Space
 from lexstack.references.timeline import Setting
@@ -35,7 +36,11 @@ def taken(setting: Setting, target: Target, stamp: float, lead_in: float) -> Set
     if target.ee is not None:
         return _with_frame(setting, target, stamp, lead_in)
     if target.base is not None:
-        point = _next(setting.base[i], target, _same, _Way(stamp, lead_in, BASES))
+        point: Trajectory[Vector] | None
+        if isinstance(target.base, BaseTwist):
+            point = BaseTwistStream.begun(setting.base[i], stamp, target.base)
+        else:
+            point = _next(setting.base[i], target, _same, _Way(stamp, lead_in, BASES))
         if point is setting.base[i] or point is None:
             return setting
         return replace(setting, base=(*setting.base[:i], point, *setting.base[i + 1 :]))

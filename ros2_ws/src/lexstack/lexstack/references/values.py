@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+from lexstack.references.base_twist import BaseTwist
 from lexstack.references.trajectory import Trajectory
 from lexstack.references.twist_stream import Twist
 from lexstack.robots import Pose, Team
@@ -123,7 +124,8 @@ class Target:
         at: simulated time from which it holds [s].
         robot: the robot's place in the team.
         ee: of a frame: a pose, a trajectory of poses, a twist, or ``Hold``; or None.
-        base: of the base: x, y, yaw, shape (3,), a trajectory of these, or ``Hold``; or None.
+        base: of the base: x, y, yaw, shape (3,), a trajectory of these, a twist, or ``Hold``; or
+            None.
         posture: of the arm: shape (n_arm,), rad, a trajectory of these, or ``Hold``; or None.
         frame: the name of the frame that ``ee`` is for; default: the tool.
         begin: where the reference begins if there was none until then: a pose, or shape (n_arm,);
@@ -136,7 +138,7 @@ class Target:
     at: float
     robot: int
     ee: Pose | Trajectory[Pose] | Twist | Hold | None = None
-    base: Vector | Trajectory[Vector] | Hold | None = None
+    base: Vector | Trajectory[Vector] | BaseTwist | Hold | None = None
     posture: Vector | Trajectory[Vector] | Hold | None = None
     frame: str = TOOL
     begin: Pose | Vector | None = None

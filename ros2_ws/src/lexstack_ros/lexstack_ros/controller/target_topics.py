@@ -26,7 +26,7 @@ from lexstack_ros.messages.conversions import to_base_target, to_ee_target
 from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import STREAM
 from lexstack_ros.messages.target_points import Reading
-from lexstack_ros.messages.targets import to_path, to_posture, to_twist, to_way
+from lexstack_ros.messages.targets import to_base_twist, to_path, to_posture, to_twist, to_way
 
 Read = Callable[[Any, Reading], Iterable[Target]]
 
@@ -54,6 +54,7 @@ OF_FRAMES: dict[str, tuple[type, Read]] = {
 
 OF_ROBOTS: dict[str, tuple[type, Read]] = {
     "base_target": (PoseStamped, _base),
+    "base_twist": (TwistStamped, to_base_twist),
     "base_path": (Path, to_path),
     "posture_trajectory": (JointTrajectory, to_posture),
 }

@@ -11,10 +11,20 @@ from collections.abc import Iterator
 import numpy as np
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Path
+from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
 from lexstack.errors import InputError
-from lexstack.references import Hold, Spline, Target, Twist, Waypoints, base_spline, path_at_speed
+from lexstack.references import (
+    BaseTwist,
+    Hold,
+    Spline,
+    Target,
+    Twist,
+    Waypoints,
+    base_spline,
+    path_at_speed,
+)
 from lexstack_ros.messages.conversions import placed, to_place, to_pose, to_stamp, to_vector
 from lexstack_ros.messages.target_points import (
     Reading,
@@ -36,17 +46,13 @@ from lexstack_ros.messages.target_points import (
     until_first,
 )
 
+_OFF_THE_FLOOR = 1e-3  # m/s, rad/s, that are left out: frames are measured
+
 
 def to_twist(message: TwistStamped, reading: Reading) -> Iterator[Target]:
     """Yield the twist of a frame; raises InputError, also where it is late already."""
     where, options = reading.where, reading.options
-    stamp = to_stamp(message.header, where)
-    age = reading.now - stamp
-    if stamp and age > options.twist_timeout:
-        raise InputError(
-            f"{where}: header.stamp: it is {age:.3f} s old, at most {options.twist_timeout:g} s; "
-            "stamp 0 means now"
-        )
+    stamp = _fresh(message.header, reading)
     value = to_twist_vector(message.twist, where)
     origin = reading.placing(message.header, where)
     twist = Twist(
@@ -57,6 +63,41 @@ def to_twist(message: TwistStamped, reading: Reading) -> Iterator[Target]:
     )
     begin = reading.begin(reading.frame)
     yield Target(stamp, reading.robot, ee=twist, frame=reading.frame, begin=begin)
+
+
+def to_base_twist(message: TwistStamped, reading: Reading) -> Iterator[Target]:
+    """Yield the twist of a base, in its own axes if the header says so; raises InputError."""
+    where, options = reading.where, reading.options
+    name = reading.model.name
+    if not reading.model.has_base:
+        raise InputError(f"{where}: robot {name} has no base")
+    stamp = _fresh(message.header, reading)
+    value = to_twist_vector(message.twist, where)
+    own = message.header.frame_id.lstrip("/") in (f"{name}/base", f"{name}/base_link")
+    origin = None if own else reading.placing(message.header, where)
+    if origin is not None:
+        value = turned(origin, value)
+    if np.abs(value[[2, 3, 4]]).max() > _OFF_THE_FLOOR:
+        raise InputError(f"{where}: twist: a base moves on the floor: x, y and about z alone")
+    twist = BaseTwist(
+        value[[0, 1, 5]],
+        own,
+        options.twist_timeout,
+        options.twist_linear,
+        options.twist_angular,
+    )
+    yield Target(stamp, reading.robot, base=twist)
+
+
+def _fresh(header: Header, reading: Reading) -> float:
+    """Return the stamp of a twist; raises InputError where it is late already."""
+    stamp, where = to_stamp(header, reading.where), reading.where
+    age, most = reading.now - stamp, reading.options.twist_timeout
+    if stamp and age > most:
+        raise InputError(
+            f"{where}: header.stamp: it is {age:.3f} s old, at most {most:g} s; stamp 0 means now"
+        )
+    return stamp
 
 
 def to_way(message: MultiDOFJointTrajectory, reading: Reading) -> Iterator[Target]:

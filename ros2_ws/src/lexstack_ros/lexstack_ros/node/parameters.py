@@ -44,6 +44,14 @@ def count_parameter(node: Node, name: str, description: str, most: int) -> int:
     return int(declared(node, name, 1, descriptor))
 
 
+def port_parameter(node: Node, name: str, description: str) -> int | None:
+    """Declare a read-only port, 0 meaning any free one, and return it; -1, the default: None."""
+    span = IntegerRange(from_value=-1, to_value=65535, step=1)
+    descriptor = ParameterDescriptor(description=description, read_only=True, integer_range=[span])
+    port = int(declared(node, name, -1, descriptor))
+    return None if port < 0 else port
+
+
 def declared(node: Node, name: str, default: Any, descriptor: ParameterDescriptor) -> Any:
     """Declare a parameter and return its value; raises ConfigurationError for a wrong one."""
     try:

@@ -77,18 +77,17 @@ class Foxglove:
         url: where.
     """
 
-    def __init__(self, node: Node, port: str, meshes: Mapping[str, Path] | None = None) -> None:
+    def __init__(self, node: Node, port: int, meshes: Mapping[str, Path] | None = None) -> None:
         """Serve from now on.
 
         Args:
             node: that subscribes.
-            port: of the server, as ``check_foxglove`` takes it; 0: any free one.
+            port: of the server; 0: any free one.
             meshes: files by the names that robots' descriptions have for them.
 
         Raises:
-            ConfigurationError: foxglove-sdk is not installed, or the port is none or taken.
+            ConfigurationError: foxglove-sdk is not installed, or the port is taken.
         """
-        number = check_foxglove(port)
         foxglove = _sdk()
         self._sdk, self._node, self._asked = foxglove, node, _Asked()
         self._context = foxglove.Context()
@@ -100,7 +99,7 @@ class Foxglove:
             self._server = foxglove.start_server(
                 name="lexstack",
                 host=_HOST,
-                port=number,
+                port=port,
                 context=self._context,
                 server_listener=self._asked,
                 capabilities=[foxglove.Capability.Time],

@@ -30,6 +30,7 @@ class Markers:
     def __init__(self, team: Team) -> None:
         """Start without a path."""
         self._team = team
+        self._framed: set[tuple[str, int]] = set()  # further frames whose references are drawn
         self._paths: list[deque[tuple[float, Vector]]] = [deque(maxlen=_MOST) for _ in team.robots]
 
     def message(self, picture: Picture) -> MarkerArray:
@@ -51,7 +52,23 @@ class Markers:
             path = np.array([position for _, position in self._paths[robot]])
             found.append(_line("paths", robot, path, _THIN))
             found.append(_line("horizons", robot, picture.horizons.get(robot), _THICK))
+        found += self._frames(picture)
         return MarkerArray(markers=[stamped(marker, picture.time) for marker in found])
+
+    def _frames(self, picture: Picture) -> list[Marker]:
+        """Return the references of further frames, and what takes those away that are gone."""
+        found = []
+        for (robot, frame), pose in picture.references.motion.frames.items():
+            marker = _frame(robot, pose)
+            marker.ns = f"reference of {self._team.names[robot]}/{frame}"
+            found.append(marker)
+        shown = {(marker.ns, marker.id) for marker in found}
+        gone = [
+            Marker(ns=name, id=robot, action=Marker.DELETE)
+            for name, robot in sorted(self._framed - shown)
+        ]
+        self._framed = shown
+        return found + gone
 
     def _go_on(self, picture: Picture) -> None:
         """Take where the tools are; a time that goes back begins the paths again."""

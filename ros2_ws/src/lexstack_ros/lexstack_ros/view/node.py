@@ -30,7 +30,7 @@ from lexstack_ros.messages.conversions import to_seconds
 from lexstack_ros.messages.names import FOXGLOVE, PAGE, URL, relative
 from lexstack_ros.messages.qos import LATCHED
 from lexstack_ros.node.options import FROM_COMMAND_LINE, NodeOptions
-from lexstack_ros.node.parameters import scenario_parameter, text_parameter
+from lexstack_ros.node.parameters import port_parameter, scenario_parameter
 from lexstack_ros.node.readiness import READY
 from lexstack_ros.node.spin import LAST, run_node
 from lexstack_ros.view.actions import Actions
@@ -80,8 +80,8 @@ class ViewNode(Node):
         wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_PERIOD, self._look, clock=wall)
         self.create_timer(_OFFERED, self._offer, clock=wall)
-        port = text_parameter(self, "foxglove", "port for Foxglove; empty: not served", "")
-        self._foxglove = Foxglove(self, port, meshes_of(team)) if port else None
+        port = port_parameter(self, "foxglove", "port for Foxglove; -1: not served, 0: any free")
+        self._foxglove = None if port is None else Foxglove(self, port, meshes_of(team))
         served = "" if self._foxglove is None else f"{FOXGLOVE}{self._foxglove.url}\n"
         print(f"{served}{URL}{self._page.url}\n{READY}", flush=True)
 
