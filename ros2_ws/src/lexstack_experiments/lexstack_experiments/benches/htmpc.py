@@ -13,6 +13,7 @@ The paper's way (CasADi's sparse QP, its object built anew for every QP) solves 
 from __future__ import annotations
 
 import dataclasses
+from contextlib import ExitStack
 from importlib.util import find_spec
 
 import casadi as ca
@@ -21,6 +22,7 @@ import numpy as np
 from lexstack.errors import ModelError
 from lexstack_experiments.baselines.htmpc_paper import SOLVERS
 from lexstack_experiments.benches.against import NOTHING, Found, against_htmpc
+from lexstack_experiments.benches.child import Child
 from lexstack_experiments.benches.goals import with_goals
 from lexstack_experiments.benches.htmpc_loops import OBSTACLES, Loop, Row, ms, tracks_of
 from lexstack_experiments.benches.htmpc_peers import NOTES, single_level
@@ -36,6 +38,7 @@ SOLVES = 1000
 ROBOTS = ("ur10_ridgeback", "panda_summit")
 HORIZONS = (10, 20, 30)
 PARAMETERS = ("authors", "lexstack")
+PEERS = {"crocoddyl": "crocoddyl, FDDP", "acados": "acados"}
 _TURN = 50  # solves of one row before it is the next one's turn
 _STATES, _TURNS = 300, 3  # that another clone gets, per row, and how often
 
@@ -92,11 +95,15 @@ def paper_solver() -> str:
 
 def _one_level(options: Options) -> tuple[list[Table], list[str]]:
     """Return the table of peers on one level, and a line for each who is not here."""
-    child = child_with("crocoddyl", "mpc_crocoddyl", options.peers)
-    if child is None:
-        return [single_level(ROBOTS, HORIZONS, options, None)], [MISSING["crocoddyl"]]
-    with child:
-        return [single_level(ROBOTS, HORIZONS, options, child)], []
+    missing, here = [], dict[str, Child]()
+    with ExitStack() as stack:
+        for module, name in PEERS.items():
+            child = child_with(module, f"mpc_{module}", options.peers)
+            if child is None:
+                missing.append(MISSING[module])
+            else:
+                here[name] = stack.enter_context(child)
+        return [single_level(ROBOTS, HORIZONS, options, here)], missing
 
 
 def _is_compared(row: Row, options: Options) -> bool:
@@ -139,6 +146,6 @@ EXPERIMENT = Experiment(
     "solves per row",
     SOLVES,
     run,
-    peers=("crocoddyl",),
+    peers=tuple(PEERS),
     against=True,
 )

@@ -14,7 +14,9 @@ from time import thread_time
 from typing import Any
 
 import numpy as np
+import pinocchio
 
+from lexstack.errors import LexstackError
 from lexstack.mpc import Htmpc, HtmpcConfig, Objective, Plan, Start
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
@@ -41,7 +43,8 @@ NOTES = (
     "lexstack, the paper's way and HPIPM take one Gauss-Newton step from the same guess, then the",
     "same line search. HPIPM: CasADi's functions evaluate, its QP object is made once; QP alone:",
     "the call of the object. crocoddyl: FDDP, costs as action models in Python; solver alone:",
-    "without these.",
+    "without these. acados: generated and compiled C, RTI and SQP; solver alone: without the calls",
+    "from Python that set and get.",
 )
 
 
@@ -143,7 +146,7 @@ def _states(robot: RobotModel, config: HtmpcConfig, seed: int, count: int) -> li
 
 
 def single_level(
-    robots: tuple[str, ...], horizons: tuple[int, ...], options: Options, crocoddyl: Child | None
+    robots: tuple[str, ...], horizons: tuple[int, ...], options: Options, children: dict[str, Child]
 ) -> Table:
     """Return how everybody does on one level; a tenth of the solves of the bench."""
     lines: list[tuple[Cell, ...]] = []
@@ -152,12 +155,12 @@ def single_level(
         for horizon in horizons:
             case = Case(name, horizon, options, count)
             with silent(), no_collection():
-                lines += _lines(case, crocoddyl)
+                lines += _lines(case, children)
             options.say(f"one level: {name}, N = {horizon}")
     return Table(_COLUMNS, lines, "one level, the same problem for all")
 
 
-def _lines(case: Case, crocoddyl: Child | None) -> list[tuple[Cell, ...]]:
+def _lines(case: Case, children: dict[str, Child]) -> list[tuple[Cell, ...]]:
     """Return the rows of one robot and horizon."""
     more = dataclasses.replace(case.config, iterations=_MOST, early_stop_ratio=1e-6)
     hpipm = HpipmHtmpc(case.robot, case.config, KIND)
@@ -174,8 +177,12 @@ def _lines(case: Case, crocoddyl: Child | None) -> list[tuple[Cell, ...]]:
     # One more pass tells what of it is the QP alone.
     alone = Answers(times=_alone(case.states, hpipm))
     lines.append(case.line("HPIPM, QP alone", "1", alone, ours, costs=False))
-    if crocoddyl is not None:
-        lines += _crocoddyl(case, crocoddyl, ours)
+    for name, child in children.items():
+        try:
+            lines += _of_child(case, name, child, ours)
+        except LexstackError as error:  # said in its row: the others' are worth having
+            nothing = (None,) * (len(_COLUMNS) - 4)
+            lines.append((case.name, case.horizon, name, f"not measured: {error}", *nothing))
     return lines
 
 
@@ -228,20 +235,20 @@ def _alone(states: list[State], solver: HpipmHtmpc) -> list[float]:
     return times
 
 
-def _crocoddyl(case: Case, child: Child, ours: float) -> list[tuple[Cell, ...]]:
-    """Return the rows of crocoddyl: one iteration, and to convergence."""
+def _of_child(case: Case, name: str, child: Child, ours: float) -> list[tuple[Cell, ...]]:
+    """Return the rows of a peer in another Python: one iteration, and to convergence."""
     key = f"{case.name}, {case.horizon}"
     child.ask("load", name=key, **_written(case))
     lines = []
-    for most in (1, 10 * _MOST):
+    for most in (1, 100):
         child.ask("solve", name=key, iterations=most)  # warms up
         told = child.ask("solve", name=key, iterations=most)
-        found = Answers([np.array(u) for u in told["u"]], told["times"])
+        inputs = [np.array(u) for u in told["u"]]
+        found = Answers(inputs, told["times"], sum(told["failed"]))
         often = "1" if most == 1 else f"{np.median(told['iterations']):.0f} (median)"
-        lines.append(case.line("crocoddyl, FDDP", often, found, ours))
-        alone = np.array(told["times"]) - np.array(told["models"])
-        some = Answers(times=alone.tolist())
-        lines.append(case.line("crocoddyl, solver alone", often, some, ours, costs=False))
+        lines.append(case.line(name, often, found, ours))
+        some = Answers(times=told["alone"])
+        lines.append(case.line(f"{name}, solver alone", often, some, ours, costs=False))
     return lines
 
 
@@ -268,6 +275,7 @@ def _written(case: Case) -> dict[str, Any]:
         "accelerations": limits.acceleration,
         "joint": int(frame.parentJoint),
         "offset": frame.placement.translation,
+        "joints": _chain(model),
         "weights": [config.ee.stage, config.ee.terminal],
     }
     states = [
@@ -281,3 +289,23 @@ def _written(case: Case) -> dict[str, Any]:
         for state in case.states
     ]
     return {"model": model.saveToString(), "numbers": numbers, "states": states}
+
+
+def _chain(model: pinocchio.Model) -> list[dict[str, Any]]:
+    """Return the joints of a chain: place in the one before, axis, and whether it slides."""
+    data = model.createData()
+    columns = pinocchio.computeJointJacobians(model, data, pinocchio.neutral(model))
+    joints = []
+    for k, place in enumerate(model.jointPlacements[1:]):
+        turn = data.oMi[k + 1].rotation.T
+        slides = not columns[3:, k].any()
+        axis = turn @ (columns[:3, k] if slides else columns[3:, k])
+        joints.append(
+            {
+                "position": place.translation,
+                "rotation": place.rotation,
+                "axis": axis,
+                "slides": slides,
+            }
+        )
+    return joints
