@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from time import thread_time
 from typing import Any
@@ -25,11 +26,18 @@ from lexstack_experiments.baselines.htmpc_hpipm import HpipmHtmpc
 from lexstack_experiments.baselines.htmpc_oracle import HtmpcOracle
 from lexstack_experiments.baselines.htmpc_paper import PaperHtmpc
 from lexstack_experiments.benches.child import Child
-from lexstack_experiments.experiment import Options
+from lexstack_experiments.benches.peers import MISSING, child_with
+from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.measuring import no_collection, silent
-from lexstack_experiments.results import Cell, Table
+from lexstack_experiments.results import Cell, Figure, Results, Table, zero
 
+NAME = "htmpc-peers"
+STATES = 30
+ROBOTS = ("ur10_ridgeback", "panda_summit")
+HORIZONS = (10, 20, 30)
+PEERS = {"crocoddyl": "crocoddyl, FDDP", "acados": "acados"}
 KIND = "ee_position"
+_OURS = "lexstack"
 _GOAL_TIME = 4.0  # s
 _MOST = 10  # iterations of a solve to convergence
 _MS = 1e3
@@ -38,7 +46,7 @@ _COLUMNS = ("robot", "N", "solver", "iterations", "p50 over ours", "gap, mean",
             "gap, worst", "cpu ms p50", "cpu ms p99", "failed")  # fmt: skip
 
 NOTES = (
-    "One level: gap, the cost over IPOPT's optimum, mean and worst of the states, as a share of",
+    "gap: the cost over IPOPT's optimum, mean and worst of the states, as a share of",
     "what braking costs over it, mean of the states; cpu ms: time of the thread.",
     "lexstack, the paper's way and HPIPM take one Gauss-Newton step from the same guess, then the",
     "same line search. HPIPM: CasADi's functions evaluate, its QP object is made once; QP alone:",
@@ -145,19 +153,50 @@ def _states(robot: RobotModel, config: HtmpcConfig, seed: int, count: int) -> li
     return found
 
 
-def single_level(
-    robots: tuple[str, ...], horizons: tuple[int, ...], options: Options, children: dict[str, Child]
-) -> Table:
-    """Return how everybody does on one level; a tenth of the solves of the bench."""
+def run(options: Options) -> Results:
+    """Measure everybody who is here on all robots and horizons."""
     lines: list[tuple[Cell, ...]] = []
-    count = max(3, min(100, options.cases // 10))
-    for name in robots:
-        for horizon in horizons:
-            case = Case(name, horizon, options, count)
-            with silent(), no_collection():
-                lines += _lines(case, children)
-            options.say(f"one level: {name}, N = {horizon}")
-    return Table(_COLUMNS, lines, "one level, the same problem for all")
+    with ExitStack() as stack:
+        children, missing = _children(options, stack)
+        for name in ROBOTS:
+            for horizon in HORIZONS:
+                case = Case(name, horizon, options, options.cases)
+                with silent(), no_collection():
+                    lines += _lines(case, children)
+                options.say(f"{name}, N = {horizon}")
+    table = Table(_COLUMNS, lines, "one level, the same problem for all")
+    return options.results(
+        NAME, _figures(table), table, {"level": KIND, "parameters": "authors"}, (*NOTES, *missing)
+    )
+
+
+def _children(options: Options, stack: ExitStack) -> tuple[dict[str, Child], list[str]]:
+    """Return the peers of other Pythons by their names, and a line for each who is not here."""
+    missing, here = list[str](), dict[str, Child]()
+    for module, name in PEERS.items():
+        child = child_with(module, f"mpc_{module}", options.peers)
+        if child is None:
+            missing.append(MISSING[module])
+        else:
+            here[name] = stack.enter_context(child)
+    return here, missing
+
+
+def _figures(table: Table) -> list[Figure]:
+    """Return how long the others take beside ours, with one step, and what a step leaves."""
+    rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
+    figures = []
+    for row in rows:
+        where = f"{row['robot']}, N = {row['N']}"
+        if row["iterations"] == "1" and row["solver"] != _OURS and row["gap, mean"] is not None:
+            name = f"{where}: one step of {row['solver']} over one of ours, p50"
+            figures.append(Figure(name, float(row["p50 over ours"])))
+        if row["solver"] == _OURS:
+            figures.append(
+                Figure(f"{where}: one step of ours, p50", float(row["cpu ms p50"]), "ms")
+            )
+    failed = sum(int(row["failed"]) for row in rows if row["solver"] == _OURS)
+    return [*figures, zero("Failed solves of ours", float(failed))]
 
 
 def _lines(case: Case, children: dict[str, Child]) -> list[tuple[Cell, ...]]:
@@ -165,13 +204,13 @@ def _lines(case: Case, children: dict[str, Child]) -> list[tuple[Cell, ...]]:
     more = dataclasses.replace(case.config, iterations=_MOST, early_stop_ratio=1e-6)
     hpipm = HpipmHtmpc(case.robot, case.config, KIND)
     solvers: dict[str, Callable[[State], tuple[Matrix, bool]]] = {
-        "lexstack": _ours(case.robot, case.config),
+        _OURS: _ours(case.robot, case.config),
         "lexstack, to the end": _ours(case.robot, more),
         "the paper's way, OSQP": _theirs(case.paper),
         "HPIPM through CasADi": _theirs(hpipm),
     }
     answers = _in_turns(case.states, solvers)
-    ours = float(np.median(answers["lexstack"].times))
+    ours = float(np.median(answers[_OURS].times))
     last = {"lexstack, to the end": f"up to {_MOST}"}
     lines = [case.line(name, last.get(name, "1"), found, ours) for name, found in answers.items()]
     # One more pass tells what of it is the QP alone.
@@ -309,3 +348,12 @@ def _chain(model: pinocchio.Model) -> list[dict[str, Any]]:
             }
         )
     return joints
+
+
+EXPERIMENT = Experiment(
+    "one level of the MPC by HPIPM, crocoddyl, acados and ours",
+    "states per row",
+    STATES,
+    run,
+    peers=tuple(PEERS),
+)
