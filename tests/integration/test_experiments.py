@@ -5,11 +5,13 @@ import math
 
 import pytest
 
-from lexstack_experiments.benches import BENCHES
+from lexstack_experiments.benches import BENCHES, speed
 from lexstack_experiments.commands import bench, experiment
+from lexstack_experiments.experiment import Experiment
 from lexstack_experiments.experiments import EXPERIMENTS, method_cases, transition_methods
 from lexstack_experiments.experiments.method_runs import Play
 from lexstack_experiments.methods import METHODS
+from lexstack_experiments.results import Figure
 from lexstack_experiments.runs import never_switched
 from support.results import numbers
 from support.scenario import CONFIG
@@ -147,6 +149,27 @@ def test_bench_tick(tmp_path):
     assert all(row["us p99"] >= row["us p50"] >= row["us p50, quiet"] > 0.0 for row in rows)
     assert all(row["p50 over the cascade"] < 1.0 for row in ratios), "the kernel is compiled"
     assert content["quiet"]["spread"] >= 1.0
+
+
+def test_bench_speed_shows_the_goals_of_the_benches_it_ran(tmp_path, monkeypatch):
+    def scaled(options):
+        return options.results("scaling", [Figure("whole tick, 32 robots over 2", 9.0, "x")])
+
+    parts = {
+        "transition": BENCHES["transition"],
+        "scaling": Experiment("robots", "passes", 200, scaled),
+    }
+    monkeypatch.setattr(speed, "_PARTS", parts)
+    assert bench.main(["speed", "--out", str(tmp_path), "--cases", "1"]) == 0
+    content = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
+    rows = content["tables"][0]["rows"]
+    assert [row["bench"] for row in rows] == ["transition", "transition", "scaling"]
+    assert rows[-1]["ours"] == "9"
+    assert [figure["reached"] for figure in content["figures"]][-1] is True
+    for name, cases in (("transition", 1), ("scaling", 2)):
+        part = json.loads((tmp_path / name / "results.json").read_text(encoding="utf-8"))
+        assert (part["name"], part["cases"]) == (name, cases)
+        assert part["quiet"]["spread"] >= 1.0
 
 
 def test_robots(tmp_path):

@@ -1,7 +1,9 @@
 """The commands around experiments: names, arguments, exit codes, what is written where."""
 
 import json
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -144,3 +146,48 @@ def test_a_wrong_duration_is_one_line(tmp_path, capsys, arguments, what):
     given = [*arguments, "--out", str(tmp_path / "out")]
     assert run_command("bench", lasting([]), given) == 2
     assert what in capsys.readouterr().err
+
+
+def compared(seen):
+    """Return a bench that takes others, and one that does not."""
+    plain = fake()["fake"]
+
+    def note(options):
+        seen.append((options.peers, options.against))
+        return plain.run(options)
+
+    return {"fake": replace(plain, run=note, peers=("placo",), against=True), "plain": plain}
+
+
+def test_a_bench_gets_the_pythons_of_peers_and_the_other_clone(tmp_path, monkeypatch):
+    seen, clone, python = [], tmp_path / "clone", Path(sys.executable)
+    (clone / "ros2_ws/src").mkdir(parents=True)
+    given = ["--peers", str(python), str(python), "--against", str(clone)]
+    assert run(tmp_path, compared(seen), *given) == 0
+    assert seen == [((python, python), clone)]
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "word"),
+    [
+        ("fake", ["--against", "/nowhere"], "no clone of this project"),
+        ("fake", ["--peers", "/nowhere/python"], "is no program"),
+        ("plain", ["--against", "."], "not compared"),
+        ("plain", ["--peers", sys.executable], "no such peers"),
+    ],
+)
+def test_others_that_are_not_there_are_one_line(tmp_path, capsys, name, arguments, word):
+    out = ["--out", str(tmp_path / "out")]
+    assert run_command("bench", compared([]), [name, *out, *arguments]) == 2
+    error = capsys.readouterr().err
+    assert word in error
+    assert error.count("\n") == 1
+
+
+def test_a_bench_says_whether_the_machine_was_quiet_and_an_experiment_does_not(tmp_path, capsys):
+    for kind in ("bench", "experiment"):
+        folder = tmp_path / kind
+        assert run_command(kind, fake(), ["fake", "--out", str(folder)]) == 0
+        said = "The machine was " in capsys.readouterr().out
+        content = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+        assert said == (content["quiet"] is not None) == (kind == "bench")

@@ -23,8 +23,6 @@ from lexstack_experiments.baselines.htmpc_paper import SOLVERS
 from lexstack_experiments.benches.against import NOTHING, Found, against_htmpc
 from lexstack_experiments.benches.goals import with_goals
 from lexstack_experiments.benches.htmpc_loops import OBSTACLES, Loop, Row, ms, tracks_of
-from lexstack_experiments.benches.htmpc_peers import NOTES, single_level
-from lexstack_experiments.benches.peers import MISSING, child_with
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.measuring import no_collection
 from lexstack_experiments.results import Figure, Peer, Results, Table, zero
@@ -71,14 +69,13 @@ def run(options: Options) -> Results:
                 loop.advance(min(_TURN, options.cases - begun))
             options.say(f"{min(begun + _TURN, options.cases)} of {options.cases} solves per row")
     before = _against(loops, options) if options.against else NOTHING
-    level = _one_level(options)
     failures = sum(loop.paper_failed for loop in loops.values())
     return options.results(
         NAME,
         with_goals(NAME, (*_figures(loops, paper), *before[0])),
-        (*before[1], Table.of((loop.cells() for loop in loops.values()), "two levels"), *level[0]),
+        (*before[1], Table.of((loop.cells() for loop in loops.values()), "two levels")),
         {"paper_qp_solver": paper, "paper_qp_failures": failures, "obstacles": OBSTACLES},
-        (*_NOTES, *NOTES, *level[1]),
+        _NOTES,
     )
 
 
@@ -88,15 +85,6 @@ def paper_solver() -> str:
         if find_spec("gurobipy") if name == "gurobi" else ca.has_conic(name):
             return name
     raise ModelError(f"CasADi has none of the QP solvers {', '.join(SOLVERS)}")
-
-
-def _one_level(options: Options) -> tuple[list[Table], list[str]]:
-    """Return the table of peers on one level, and a line for each who is not here."""
-    child = child_with("crocoddyl", "mpc_crocoddyl", options.peers)
-    if child is None:
-        return [single_level(ROBOTS, HORIZONS, options, None)], [MISSING["crocoddyl"]]
-    with child:
-        return [single_level(ROBOTS, HORIZONS, options, child)], []
 
 
 def _is_compared(row: Row, options: Options) -> bool:
@@ -139,6 +127,5 @@ EXPERIMENT = Experiment(
     "solves per row",
     SOLVES,
     run,
-    peers=("crocoddyl",),
     against=True,
 )

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from time import thread_time
 from typing import Any
 
 import numpy as np
+import pinocchio
 
+from lexstack.errors import LexstackError
 from lexstack.mpc import Htmpc, HtmpcConfig, Objective, Plan, Start
 from lexstack.robots import RobotModel
 from lexstack.types import Matrix, Vector
@@ -23,11 +26,18 @@ from lexstack_experiments.baselines.htmpc_hpipm import HpipmHtmpc
 from lexstack_experiments.baselines.htmpc_oracle import HtmpcOracle
 from lexstack_experiments.baselines.htmpc_paper import PaperHtmpc
 from lexstack_experiments.benches.child import Child
-from lexstack_experiments.experiment import Options
+from lexstack_experiments.benches.peers import MISSING, child_with
+from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.measuring import no_collection, silent
-from lexstack_experiments.results import Cell, Table
+from lexstack_experiments.results import Cell, Figure, Results, Table, zero
 
+NAME = "htmpc-peers"
+STATES = 30
+ROBOTS = ("ur10_ridgeback", "panda_summit")
+HORIZONS = (10, 20, 30)
+PEERS = {"crocoddyl": "crocoddyl, FDDP", "acados": "acados"}
 KIND = "ee_position"
+_OURS = "lexstack"
 _GOAL_TIME = 4.0  # s
 _MOST = 10  # iterations of a solve to convergence
 _MS = 1e3
@@ -36,12 +46,13 @@ _COLUMNS = ("robot", "N", "solver", "iterations", "p50 over ours", "gap, mean",
             "gap, worst", "cpu ms p50", "cpu ms p99", "failed")  # fmt: skip
 
 NOTES = (
-    "One level: gap, the cost over IPOPT's optimum, mean and worst of the states, as a share of",
+    "gap: the cost over IPOPT's optimum, mean and worst of the states, as a share of",
     "what braking costs over it, mean of the states; cpu ms: time of the thread.",
     "lexstack, the paper's way and HPIPM take one Gauss-Newton step from the same guess, then the",
     "same line search. HPIPM: CasADi's functions evaluate, its QP object is made once; QP alone:",
     "the call of the object. crocoddyl: FDDP, costs as action models in Python; solver alone:",
-    "without these.",
+    "without these. acados: generated and compiled C, RTI and SQP; solver alone: without the calls",
+    "from Python that set and get.",
 )
 
 
@@ -142,40 +153,75 @@ def _states(robot: RobotModel, config: HtmpcConfig, seed: int, count: int) -> li
     return found
 
 
-def single_level(
-    robots: tuple[str, ...], horizons: tuple[int, ...], options: Options, crocoddyl: Child | None
-) -> Table:
-    """Return how everybody does on one level; a tenth of the solves of the bench."""
+def run(options: Options) -> Results:
+    """Measure everybody who is here on all robots and horizons."""
     lines: list[tuple[Cell, ...]] = []
-    count = max(3, min(100, options.cases // 10))
-    for name in robots:
-        for horizon in horizons:
-            case = Case(name, horizon, options, count)
-            with silent(), no_collection():
-                lines += _lines(case, crocoddyl)
-            options.say(f"one level: {name}, N = {horizon}")
-    return Table(_COLUMNS, lines, "one level, the same problem for all")
+    with ExitStack() as stack:
+        children, missing = _children(options, stack)
+        for name in ROBOTS:
+            for horizon in HORIZONS:
+                case = Case(name, horizon, options, options.cases)
+                with silent(), no_collection():
+                    lines += _lines(case, children)
+                options.say(f"{name}, N = {horizon}")
+    table = Table(_COLUMNS, lines, "one level, the same problem for all")
+    return options.results(
+        NAME, _figures(table), table, {"level": KIND, "parameters": "authors"}, (*NOTES, *missing)
+    )
 
 
-def _lines(case: Case, crocoddyl: Child | None) -> list[tuple[Cell, ...]]:
+def _children(options: Options, stack: ExitStack) -> tuple[dict[str, Child], list[str]]:
+    """Return the peers of other Pythons by their names, and a line for each who is not here."""
+    missing, here = list[str](), dict[str, Child]()
+    for module, name in PEERS.items():
+        child = child_with(module, f"mpc_{module}", options.peers)
+        if child is None:
+            missing.append(MISSING[module])
+        else:
+            here[name] = stack.enter_context(child)
+    return here, missing
+
+
+def _figures(table: Table) -> list[Figure]:
+    """Return how long the others take beside ours, with one step, and what a step leaves."""
+    rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
+    figures = []
+    for row in rows:
+        where = f"{row['robot']}, N = {row['N']}"
+        if row["iterations"] == "1" and row["solver"] != _OURS and row["gap, mean"] is not None:
+            name = f"{where}: one step of {row['solver']} over one of ours, p50"
+            figures.append(Figure(name, float(row["p50 over ours"])))
+        if row["solver"] == _OURS:
+            figures.append(
+                Figure(f"{where}: one step of ours, p50", float(row["cpu ms p50"]), "ms")
+            )
+    failed = sum(int(row["failed"]) for row in rows if row["solver"] == _OURS)
+    return [*figures, zero("Failed solves of ours", float(failed))]
+
+
+def _lines(case: Case, children: dict[str, Child]) -> list[tuple[Cell, ...]]:
     """Return the rows of one robot and horizon."""
     more = dataclasses.replace(case.config, iterations=_MOST, early_stop_ratio=1e-6)
     hpipm = HpipmHtmpc(case.robot, case.config, KIND)
     solvers: dict[str, Callable[[State], tuple[Matrix, bool]]] = {
-        "lexstack": _ours(case.robot, case.config),
+        _OURS: _ours(case.robot, case.config),
         "lexstack, to the end": _ours(case.robot, more),
         "the paper's way, OSQP": _theirs(case.paper),
         "HPIPM through CasADi": _theirs(hpipm),
     }
     answers = _in_turns(case.states, solvers)
-    ours = float(np.median(answers["lexstack"].times))
+    ours = float(np.median(answers[_OURS].times))
     last = {"lexstack, to the end": f"up to {_MOST}"}
     lines = [case.line(name, last.get(name, "1"), found, ours) for name, found in answers.items()]
     # One more pass tells what of it is the QP alone.
     alone = Answers(times=_alone(case.states, hpipm))
     lines.append(case.line("HPIPM, QP alone", "1", alone, ours, costs=False))
-    if crocoddyl is not None:
-        lines += _crocoddyl(case, crocoddyl, ours)
+    for name, child in children.items():
+        try:
+            lines += _of_child(case, name, child, ours)
+        except LexstackError as error:  # said in its row: the others' are worth having
+            nothing = (None,) * (len(_COLUMNS) - 4)
+            lines.append((case.name, case.horizon, name, f"not measured: {error}", *nothing))
     return lines
 
 
@@ -228,20 +274,20 @@ def _alone(states: list[State], solver: HpipmHtmpc) -> list[float]:
     return times
 
 
-def _crocoddyl(case: Case, child: Child, ours: float) -> list[tuple[Cell, ...]]:
-    """Return the rows of crocoddyl: one iteration, and to convergence."""
+def _of_child(case: Case, name: str, child: Child, ours: float) -> list[tuple[Cell, ...]]:
+    """Return the rows of a peer in another Python: one iteration, and to convergence."""
     key = f"{case.name}, {case.horizon}"
     child.ask("load", name=key, **_written(case))
     lines = []
-    for most in (1, 10 * _MOST):
+    for most in (1, 100):
         child.ask("solve", name=key, iterations=most)  # warms up
         told = child.ask("solve", name=key, iterations=most)
-        found = Answers([np.array(u) for u in told["u"]], told["times"])
+        inputs = [np.array(u) for u in told["u"]]
+        found = Answers(inputs, told["times"], sum(told["failed"]))
         often = "1" if most == 1 else f"{np.median(told['iterations']):.0f} (median)"
-        lines.append(case.line("crocoddyl, FDDP", often, found, ours))
-        alone = np.array(told["times"]) - np.array(told["models"])
-        some = Answers(times=alone.tolist())
-        lines.append(case.line("crocoddyl, solver alone", often, some, ours, costs=False))
+        lines.append(case.line(name, often, found, ours))
+        some = Answers(times=told["alone"])
+        lines.append(case.line(f"{name}, solver alone", often, some, ours, costs=False))
     return lines
 
 
@@ -268,6 +314,7 @@ def _written(case: Case) -> dict[str, Any]:
         "accelerations": limits.acceleration,
         "joint": int(frame.parentJoint),
         "offset": frame.placement.translation,
+        "joints": _chain(model),
         "weights": [config.ee.stage, config.ee.terminal],
     }
     states = [
@@ -281,3 +328,32 @@ def _written(case: Case) -> dict[str, Any]:
         for state in case.states
     ]
     return {"model": model.saveToString(), "numbers": numbers, "states": states}
+
+
+def _chain(model: pinocchio.Model) -> list[dict[str, Any]]:
+    """Return the joints of a chain: place in the one before, axis, and whether it slides."""
+    data = model.createData()
+    columns = pinocchio.computeJointJacobians(model, data, pinocchio.neutral(model))
+    joints = []
+    for k, place in enumerate(model.jointPlacements[1:]):
+        turn = data.oMi[k + 1].rotation.T
+        slides = not columns[3:, k].any()
+        axis = turn @ (columns[:3, k] if slides else columns[3:, k])
+        joints.append(
+            {
+                "position": place.translation,
+                "rotation": place.rotation,
+                "axis": axis,
+                "slides": slides,
+            }
+        )
+    return joints
+
+
+EXPERIMENT = Experiment(
+    "one level of the MPC by HPIPM, crocoddyl, acados and ours",
+    "states per row",
+    STATES,
+    run,
+    peers=tuple(PEERS),
+)

@@ -16,7 +16,9 @@ MISSING = {
     "placo": _HOW.format(name="placo", why="it needs another pinocchio", pip="placo"),
     "crocoddyl": _HOW.format(name="crocoddyl", why="not in the lock", pip="'pin==4.1.*' crocoddyl"),
     "acados": _HOW.format(
-        name="acados", why="it brings a CasADi of its own", pip="comma-deps-acados setuptools"
+        name="acados",
+        why="its wheel's CasADi is to be replaced, and it needs a C compiler",
+        pip="comma-deps-acados scipy; V/bin/pip install --force-reinstall 'casadi==3.8.*'",
     ),
 }
 """What a bench says where a peer is not to be had."""

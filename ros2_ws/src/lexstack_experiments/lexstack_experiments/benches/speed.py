@@ -7,6 +7,7 @@ from dataclasses import replace
 from lexstack_experiments.benches import hqp, htmpc, scaling, tick, transition
 from lexstack_experiments.benches.goals import figures_of, table_of
 from lexstack_experiments.experiment import Experiment, Options
+from lexstack_experiments.quiet import Watch
 from lexstack_experiments.results import Figure, Results
 from lexstack_experiments.text import lines_of
 
@@ -32,7 +33,8 @@ def run(options: Options) -> Results:
     found: dict[str, tuple[Figure, ...]] = {}
     for name, bench in _PARTS.items():
         options.say(f"bench {name}")
-        results = bench.run(_share(options, name, bench))
+        watch = Watch()
+        results = replace(bench.run(_share(options, name, bench)), quiet=watch.seen())
         found[name] = results.figures
         folder = options.out / name
         (folder / "results.json").write_text(results.to_json(), encoding="utf-8")
@@ -57,6 +59,6 @@ EXPERIMENT = Experiment(
     "per cent of each bench",
     WHOLE,
     run,
-    peers=(*hqp.EXPERIMENT.peers, *htmpc.EXPERIMENT.peers),
+    peers=hqp.EXPERIMENT.peers,
     against=True,
 )

@@ -155,19 +155,20 @@ class Solves:
         return str(crocoddyl.__version__)
 
     def solve(self, name: str, iterations: int) -> dict[str, Any]:
-        """Return inputs, times [s], those of them in Python models, and iterations, by state."""
+        """Return inputs, times with and without the models [s], and iterations, by state."""
         return uncollected(lambda: self._solve(name, iterations))
 
     def _solve(self, name: str, iterations: int) -> dict[str, Any]:
         """Solve a row."""
         costs, states, weights = self._rows[name]
-        found: dict[str, Any] = {"u": [], "times": [], "models": [], "iterations": []}
+        found: dict[str, Any] = {"u": [], "times": [], "alone": [], "iterations": [], "failed": []}
         for state in states:
             solver, xs, us = problem(costs, state, weights)
             costs.spent, begun = 0.0, thread_time()
             solver.solve(xs, us, iterations, False)
             found["times"].append(thread_time() - begun)
-            found["models"].append(costs.spent)
+            found["alone"].append(found["times"][-1] - costs.spent)
+            found["failed"].append(not np.isfinite(solver.cost))
             found["iterations"].append(solver.iter)
             found["u"].append(np.array(solver.us.tolist()).tolist())
         return found
