@@ -13,9 +13,9 @@ import pytest
 from lexstack.mpc import COLUMNS, CollisionScene, Htmpc, Objective, Start, Task, htmpc
 from lexstack.mpc.barriers import LimitBarrier
 from lexstack.mpc.htmpc import frames_of
+from lexstack.mpc.stage.arrays import Costs
 from lexstack.mpc.stage.kernel import chain, condensing, curvature, driving, evaluation
 from lexstack.mpc.stage.model import CompiledStageModel
-from lexstack.mpc.stage.program import Costs
 from lexstack.robots.spatial import from_rpy, to_quaternion
 from support.htmpc import config, random_objectives, random_start, robot
 from support.scenario import CONFIG
@@ -37,6 +37,18 @@ ENTRIES = (
 DIGEST = """
 from test_compiled_program import digest
 print(digest())
+"""
+
+LOADED = """
+import sys
+import numpy as np
+from support.htmpc import config, random_objectives, random_start, robot
+from lexstack.mpc import Htmpc
+solver, rng = Htmpc(robot(), config()), np.random.default_rng(0)
+start = random_start(rng)
+objectives, before = random_objectives(rng, start, solver), set(sys.modules)
+solver.solve(start, objectives)
+print([name for name in set(sys.modules) - before if "kernel" in name or "numba" in name])
 """
 
 
@@ -248,6 +260,10 @@ def test_nothing_is_compiled_in_a_solve():
     assert [len(each.signatures) for each in ENTRIES] == [1] * len(ENTRIES)
 
 
+def test_nothing_is_loaded_in_a_solve():
+    assert python(LOADED) == "[]\n"
+
+
 def test_without_numba_the_plain_form_plans_and_it_is_told(monkeypatch):
     monkeypatch.setattr(htmpc, "available", lambda: False)
     with pytest.warns(UserWarning, match="numba is not installed: the MPC's costs"):
@@ -279,11 +295,11 @@ def digest():
     return found.hexdigest()
 
 
-def digest_of(**variables):
-    """Return the digest by a process of its own."""
+def python(script, **variables):
+    """Return what a process of its own prints."""
     path = os.pathsep.join([str(Path(__file__).parent), *sys.path])
     return subprocess.run(
-        [sys.executable, "-c", DIGEST],
+        [sys.executable, "-c", script],
         env={**os.environ, **variables, "PYTHONPATH": path},
         capture_output=True,
         text=True,
@@ -293,11 +309,13 @@ def digest_of(**variables):
 
 
 def test_the_source_as_python_has_the_same_bits():
-    assert digest_of(NUMBA_DISABLE_JIT="1") == f"{digest()}\n"
+    assert python(DIGEST, NUMBA_DISABLE_JIT="1") == f"{digest()}\n"
 
 
 @pytest.mark.slow
 def test_processors_agree_to_the_bit(tmp_path):
     # The generic processor has no fused multiply-add and no wide vectors.
-    other = digest_of(NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="", XDG_CACHE_HOME=str(tmp_path))
+    other = python(
+        DIGEST, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="", XDG_CACHE_HOME=str(tmp_path)
+    )
     assert other == f"{digest()}\n"
