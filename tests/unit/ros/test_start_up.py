@@ -15,11 +15,10 @@ SCENARIO = CONFIG / "scenarios" / "deliver-both.yaml"  # it needs every node
 SLOW = ("viser", "scipy.linalg", "scipy.optimize", "scipy.special", "glfw", "rosbags", "matplotlib")
 NOT_TO_BE_LOADED = {
     **dict.fromkeys(MODULES, (*SLOW, "casadi")),
-    "htmpc": (*SLOW, "lexstack_sim"),  # casadi generates its kinematics
     # numba loads scipy.linalg for its own linear algebra, whether the kernel has any or not.
     **dict.fromkeys(
-        ("hqp_controller", "stack_solver"),
-        (*(name for name in SLOW if name != "scipy.linalg"), "casadi"),
+        ("hqp_controller", "stack_solver", "htmpc"),
+        (*(name for name in SLOW if name != "scipy.linalg"), "casadi", "lexstack_sim"),
     ),
     RECORDER: (*SLOW, "casadi", "pinocchio", "lexstack_bag.run.reader"),
 }

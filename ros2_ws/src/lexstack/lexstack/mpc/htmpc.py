@@ -24,8 +24,9 @@ from lexstack.mpc.measures import Measure, Subject, measure_of
 from lexstack.mpc.options import HtmpcConfig
 from lexstack.mpc.other_robots import OtherRobot, scene_of
 from lexstack.mpc.plan import Plan
+from lexstack.mpc.stage.arrays import Costs
 from lexstack.mpc.stage.model import CompiledStageModel
-from lexstack.mpc.stage.program import CompiledProgram, Costs
+from lexstack.mpc.stage.program import CompiledProgram, load
 from lexstack.mpc.stage_kinematics import StageModel
 from lexstack.mpc.status import LevelStatus, Outcome
 from lexstack.mpc.tracking_objectives import Objective, Task
@@ -267,6 +268,7 @@ def _model_kind(config: HtmpcConfig) -> type[StageModel]:
     if config.evaluation == "plain":
         return StageModel
     if available():
+        load()
         return CompiledStageModel
     warnings.warn("numba is not installed: the MPC's costs are computed without it", stacklevel=3)
     return StageModel

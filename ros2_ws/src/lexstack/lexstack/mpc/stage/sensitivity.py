@@ -46,7 +46,7 @@ def sensitivity_of(
         return CompiledLinearSensitivity(horizon)
     stages = len(u)
     drive = np.empty((stages, 2, stages, 2))
-    _entries()[0](q, v, np.ascontiguousarray(u), horizon.step, QUADRATURE, drive)
+    entries()[0](q, v, np.ascontiguousarray(u), horizon.step, QUADRATURE, drive)
     return CompiledUnicycleSensitivity(horizon, drive)
 
 
@@ -54,12 +54,12 @@ def _rows(slopes: Array, drive: Array, step: float, n: int) -> Matrix:
     """Return rows in the inputs (N r, N n) of rows in the positions, (N, r, n_q)."""
     stages, count = slopes.shape[:2]
     rows = np.empty((stages, count, stages, n))
-    _entries()[1](np.ascontiguousarray(slopes), drive, step, rows)
+    entries()[1](np.ascontiguousarray(slopes), drive, step, rows)
     return rows.reshape(stages * count, stages * n)
 
 
 @cache
-def _entries() -> tuple[Any, ...]:
+def entries() -> tuple[Any, ...]:
     """Return the compiled functions; the first call loads numba."""
     from lexstack.mpc.stage.kernel import condensing, driving  # noqa: PLC0415
 
