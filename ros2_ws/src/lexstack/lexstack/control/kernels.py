@@ -5,6 +5,7 @@ from lexstack.compiled import load
 KERNELS = (
     "lexstack.hqp.kernel.checks",
     "lexstack.hqp.kernel.margins",
+    "lexstack.hqp.kernel.regular",
     "lexstack.limits.kernel.box",
     "lexstack.robots.kernel.chain",
     "lexstack.tasks.kernel.pose",
