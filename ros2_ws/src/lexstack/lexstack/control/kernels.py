@@ -8,6 +8,7 @@ KERNELS = (
     "lexstack.hqp.kernel.regular",
     "lexstack.limits.kernel.box",
     "lexstack.robots.kernel.chain",
+    "lexstack.tasks.kernel.linear",
     "lexstack.tasks.kernel.pose",
     "lexstack.tasks.kernel.residual",
 )
