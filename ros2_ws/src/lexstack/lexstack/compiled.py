@@ -26,6 +26,9 @@ from typing import Any, TypeVar, cast
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 HERE = Path(__file__).parent
+# What ``load`` has loaded. Not ``sys.modules``, where a module is while it is still being loaded,
+# so that another thread could find it without its functions.
+_LOADED: dict[str, Any] = {}
 
 
 def available() -> bool:
@@ -78,7 +81,7 @@ def load(*names: str) -> None:
     """
     if available():
         for name in names:
-            importlib.import_module(name)
+            _LOADED[name] = importlib.import_module(name)
 
 
 def kernel(name: str) -> Any:
@@ -90,7 +93,7 @@ def kernel(name: str) -> Any:
     Args:
         name: of the module.
     """
-    return sys.modules.get(name)
+    return _LOADED.get(name)
 
 
 @cache

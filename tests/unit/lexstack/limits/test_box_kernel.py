@@ -5,9 +5,11 @@ import sys
 import numpy as np
 import pytest
 
+from lexstack.control.kernels import load_kernels
 from lexstack.limits import JointLimits, target_bounds, viable_bounds
 from lexstack.limits.kernel import box as kernel
 
+load_kernels()
 plain = sys.modules["lexstack.limits.viable_bounds"]
 DT = 0.01
 

@@ -4,11 +4,13 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from lexstack.control.kernels import load_kernels
 from lexstack.robots import Pose
 from lexstack.tasks import frame_pose
 from lexstack.tasks.frame_pose import pose_error, saturated
 from lexstack.tasks.kernel import pose as kernel
 
+load_kernels()
 GAIN, LINEAR, ANGULAR = 3.0, 0.5, 1.0
 
 

@@ -5,8 +5,10 @@ from lexstack.compiled import load
 KERNELS = (
     "lexstack.hqp.kernel.checks",
     "lexstack.hqp.kernel.margins",
+    "lexstack.hqp.kernel.regular",
     "lexstack.limits.kernel.box",
     "lexstack.robots.kernel.chain",
+    "lexstack.tasks.kernel.linear",
     "lexstack.tasks.kernel.pose",
     "lexstack.tasks.kernel.residual",
 )

@@ -7,6 +7,8 @@ from typing import cast
 
 import numpy as np
 
+from lexstack.compiled import kernel
+from lexstack.hqp.chain_levels import ChainLevels
 from lexstack.hqp.groups import Group, Slices, groups_of
 from lexstack.hqp.lift import GroupLevel
 from lexstack.hqp.margin import Margin
@@ -35,12 +37,23 @@ class _Known:
     spared: list[int]  # looks, by each margin
     pause: list[int]
     wait: list[int]  # so many looks more before another margin is made
+    chains: list[ChainLevels | None]  # where the compiled test can be asked
 
     @classmethod
-    def of(cls, groups: tuple[Group, ...]) -> _Known:
+    def of(cls, groups: tuple[Group, ...], problem: HqpProblem) -> _Known:
         """Return what is known of groups at first: nothing."""
-        zeros = [0] * len(groups)
-        return cls(groups, [None] * len(groups), list(zeros), list(zeros), list(zeros))
+        zeros, chains = [0] * len(groups), [ChainLevels.of(group, problem) for group in groups]
+        return cls(groups, [None] * len(groups), list(zeros), list(zeros), list(zeros), chains)
+
+    def regular(self, i: int, problem: HqpProblem, kinematics: Kinematics) -> bool:
+        """Return whether a group is regular by the compiled test, where no margin is to be made."""
+        chain, fast = self.chains[i], kernel("lexstack.hqp.kernel.regular")
+        if chain is None or fast is None or self.wait[i] < 1:
+            return False
+        if not chain.regular(problem, kinematics, fast):
+            return False
+        self.wait[i] -= 1
+        return True
 
     def look(
         self, i: int, levels: list[GroupLevel], problem: HqpProblem, kinematics: Kinematics
@@ -84,6 +97,8 @@ class Margins:
             if known is not None and margin is not None and margin.covers(problem):
                 known.spared[i] += 1
                 continue
+            if known is not None and held is None and known.regular(i, problem, kinematics):
+                continue
             levels = group.levels(problem)
             regular = regular_levels(levels, held, kinematics, group.places)
             if regular < len(levels):
@@ -104,7 +119,7 @@ class Margins:
         known = self._known.get(key)  # curves are told apart by identity: it is quick
         if known is None:
             groups = groups_of(problem, self._slices)
-            known = _Known.of(groups)
+            known = _Known.of(groups, problem)
             if len(self._known) >= _MOST:
                 self._known.clear()
             self._known[key] = known

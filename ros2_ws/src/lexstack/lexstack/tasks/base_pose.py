@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lexstack.compiled import kernel
 from lexstack.errors import ConfigurationError, ModelError
 from lexstack.options import Positive, build
 from lexstack.references import References
@@ -14,6 +15,8 @@ from lexstack.robots import Kinematics, Team
 from lexstack.robots.spatial import wrap
 from lexstack.tasks.unicycle_base import UnicycleBase
 from lexstack.types import Curve, LinearTask
+
+KERNEL = "lexstack.tasks.kernel.linear"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +63,13 @@ class Base:
 
     def linearise(self, kinematics: Kinematics, references: References) -> LinearTask:
         """Return 3 rows: x and y [m/s], yaw [rad/s], in the world frame."""
-        error = references.base[self._robot] - kinematics.state.q_star[self._columns]
-        error[2] = wrap(error[2])
+        goal, q_star = references.base[self._robot], kinematics.state.q_star
+        fast, target = kernel(KERNEL), np.empty(3)
+        if fast is not None and goal.dtype is q_star.dtype is target.dtype:
+            fast.towards(goal, q_star, self._columns.start, self._gain, 2, target)
+        else:
+            error = goal - q_star[self._columns]
+            error[2] = wrap(error[2])
+            target = self._gain * error
         feed = references.motion.bases.get(self._robot)
-        return LinearTask.equality(self.name, self._matrix, self._gain * error, self._curve, feed)
+        return LinearTask.equality(self.name, self._matrix, target, self._curve, feed)

@@ -13,11 +13,15 @@ from typing import Any, Literal
 
 import numpy as np
 
+from lexstack.compiled import kernel
 from lexstack.errors import ConfigurationError
 from lexstack.options import Finite, Positive, build, same_length, shown
 from lexstack.references import References
 from lexstack.robots import Kinematics, RobotModel, Team
+from lexstack.tasks.base_pose import KERNEL
 from lexstack.types import Curve, LinearTask, Vector
+
+_FLOAT = np.dtype(np.float64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +79,14 @@ class Posture:
         target = self.target
         if self.led:
             target = motion.postures.get(self.robots[0], target)
-        error = target - kinematics.state.q_star[self._place]
+        q_star = kinematics.state.q_star
         feed = motion.posture_rates.get(self.robots[0]) if self.led else None
+        fast = kernel(KERNEL) if self._kept is None and self._roots is None else None
+        if fast is not None and target.dtype is q_star.dtype is _FLOAT:
+            asked = np.empty(target.size)
+            fast.towards(target, q_star, self._place.start, self._gain, -1, asked)
+            return LinearTask.equality(self.name, self._matrix, asked, self._curve, feed)
+        error = target - q_star[self._place]
         if self._kept is not None:
             error, feed = error[self._kept], None if feed is None else feed[self._kept]
         if self._roots is not None:
