@@ -26,6 +26,7 @@ setup(
         "lexstack-ros",
         "lexstack-sim",
         "mcap>=1.2",
+        "mujoco>=4.0",
         "numpy>=2",
     ],
     zip_safe=False,
