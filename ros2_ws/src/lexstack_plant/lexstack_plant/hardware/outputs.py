@@ -9,7 +9,7 @@ import numpy as np
 from lexstack.limits import JointLimits
 from lexstack.types import Vector
 from lexstack_config.plant_file import ArmInterfaceConfig
-from lexstack_plant.hardware.base_intake import turned
+from lexstack_plant.hardware.planar import turned
 from lexstack_plant.hardware.spline import CommandSpline, Point
 
 

@@ -9,7 +9,7 @@ from lexstack.robots import RobotModel, along_axes
 from lexstack.robots.unicycle import arc
 from lexstack.types import Vector
 from lexstack_config.plant_file import RobotInterfaceConfig, SafetyConfig
-from lexstack_plant.hardware.base_intake import BaseIntake, turned
+from lexstack_plant.hardware.base_intake import BaseIntake
 from lexstack_plant.hardware.effort import EffortLoop
 from lexstack_plant.hardware.joint_intake import JointIntake
 from lexstack_plant.hardware.outputs import (
@@ -18,6 +18,7 @@ from lexstack_plant.hardware.outputs import (
     differential_twist,
     holonomic_twist,
 )
+from lexstack_plant.hardware.planar import turned
 
 
 class HardwareRobot:
