@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from lexstack_bag.figures.phases import find_phases
 from lexstack_bag.figures.series import measure
 from lexstack_bag.run.reader import read_parts, read_run
 from lexstack_bag.run.run import PlantStatus
-from lexstack_bag.run.wholeness import Band, bands_of
+from lexstack_bag.run.wholeness import Band, bands_of, wholeness_of
 from support.browser import Browser
 
 BRAKES, FOLLOWS = 220, 300  # ticks
@@ -79,6 +80,14 @@ def test_lost_and_late_ticks_are_those_that_the_plant_counted(braked):
     assert metrics.commands_not_in_bag == 1
     data = json.loads(metrics.to_json())
     assert (data["missing_ticks"], data["braking_ticks"]) == (100, 80)
+
+
+def test_real_robots_that_are_braked_at_the_end_of_the_scenario_have_not_failed(braked):
+    run = read_run(braked)
+    for last, ticks in ((BRAKES, 0), (BRAKES + 30, 30)):
+        scenario = replace(run.resolved.scenario, duration=last * run.period)
+        shorter = replace(run, resolved=replace(run.resolved, scenario=scenario))
+        assert wholeness_of(shorter).braking_ticks == ticks
 
 
 def test_no_goal_is_reached_in_a_run_that_braked(braked, synthetic):

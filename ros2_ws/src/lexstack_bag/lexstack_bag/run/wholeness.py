@@ -22,7 +22,8 @@ class Wholeness:
         late_ticks: that began after their wall-clock time, as the plant counted.
         missing_ticks: for which no command came in time, as the plant counted.
         holding_ticks: states in the bag with the status HOLDING.
-        braking_ticks: states in the bag with the status BRAKING.
+        braking_ticks: states in the bag with the status BRAKING, up to the scenario's end: real
+            robots are braked there.
         states_not_in_bag: ticks between the first and the last state whose state is not there.
         longest_gap_s: the longest time between two states with such ticks in between; 0: none.
         commands_not_in_bag: ticks from the first to the last command whose command is not there.
@@ -56,11 +57,12 @@ def wholeness_of(run: Run) -> Wholeness:
     """Return what a run says about itself."""
     plant, command = run.plant, run.chi[COMMANDER]
     steps = np.diff(plant.stamp)[np.diff(plant.tick) > 1]
+    in_time = plant.tick <= round(run.resolved.scenario.duration / run.period)
     return Wholeness(
         _counted(plant.late_ticks, run),
         _counted(plant.missing_ticks, run),
         int(np.count_nonzero(plant.status == PlantStatus.HOLDING)),
-        int(np.count_nonzero(plant.status == PlantStatus.BRAKING)),
+        int(np.count_nonzero(in_time & (plant.status == PlantStatus.BRAKING))),
         span_of(plant.tick) - len(plant.tick),
         round(float(steps.max(initial=0.0)), 9),
         span_of(command.tick) - len(command.tick),
