@@ -21,6 +21,7 @@ class Options:
         cases: how many cases to run, at least 1.
         seconds: how long it shall run, where it has a duration; 0: as usual.
         say: told what happens, in single lines.
+        against: another clone of the project to compare with, where that can be done.
     """
 
     config: Path
@@ -29,6 +30,7 @@ class Options:
     cases: int
     say: Callable[[str], None] = lambda _line: None
     seconds: float = 0.0
+    against: Path | None = None
 
     def results(
         self,
@@ -55,6 +57,7 @@ class Experiment:
         run: does it.
         seconds: its usual duration of wall time [s], if it has one.
         soak: its duration with ``--soak`` [s].
+        compares: whether it can run another clone of the project, in turns with this one.
     """
 
     summary: str
@@ -63,3 +66,4 @@ class Experiment:
     run: Callable[[Options], Results]
     seconds: float = 0.0
     soak: float = 0.0
+    compares: bool = False

@@ -89,6 +89,15 @@ def _parser(kind: str, known: Mapping[str, Experiment]) -> argparse.ArgumentPars
             "--duration", type=float, metavar="S", help=f"of the realtime run [s] ({which})"
         )
         parser.add_argument("--soak", action="store_true", help=f"30 minutes of it ({which})")
+    comparing = [name for name, entry in known.items() if entry.compares]
+    if comparing:
+        parser.add_argument(
+            "--against",
+            type=Path,
+            metavar="FOLDER",
+            help="compare with another clone that was set up, in turns "
+            f"({', '.join(comparing)}, in lockstep)",
+        )
     return parser
 
 
@@ -100,11 +109,14 @@ def _options(root: Path, kind: str, experiment: Experiment, parsed: argparse.Nam
         raise ConfigurationError(
             f"--cases: must be in [1, {experiment.cases}] ({experiment.case}), got {parsed.cases}"
         )
+    against = getattr(parsed, "against", None)
+    if against is not None and not experiment.compares:
+        raise ConfigurationError(f"{parsed.name} compares with no other clone: leave --against out")
     seconds = _seconds(experiment, parsed)
     stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
     out = empty_folder(parsed.out or root / "runs" / f"{kind}-{parsed.name}-{stamp}")
     cases = parsed.cases or experiment.cases
-    return Options(root / "config", out, parsed.seed, cases, _Teller(), seconds)
+    return Options(root / "config", out, parsed.seed, cases, _Teller(), seconds, against)
 
 
 def _seconds(experiment: Experiment, parsed: argparse.Namespace) -> float:
