@@ -8,11 +8,12 @@ following the solver, the controller following the HTMPC.
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,8 @@ from lexstack_bag.run.run import Integers
 from lexstack_bag.storage.container import Container, find_files
 from lexstack_bag.storage.decoder import Decoder
 from lexstack_bag.topics import COMMAND, PLANT_STATE
-from lexstack_config.resolved import ResolvedScenario, load_scenario
+from lexstack_config.resolved import load_scenario
+from lexstack_experiments.benches.clones import Clone
 from lexstack_experiments.experiment import Experiment, Options
 from lexstack_experiments.measuring import p50_p99
 from lexstack_experiments.results import Cell, Figure, Goal, Results, Table
@@ -34,6 +36,7 @@ SECONDS, SOAK = 60.0, 1800.0
 _MODULE = "lexstack_testing.system_load"
 _SHORT = 12.0  # s of each phase in lockstep
 _PATIENCE = 240.0  # s of wall time beside the phases
+_TURNS = 3  # of each clone
 _NS = 1_000_000_000
 _LITTLE = 0.01  # of a core
 _RATE, _LATE = 200.0, 1.0  # Hz, %
@@ -72,6 +75,8 @@ CASES = (
 
 def run(options: Options) -> Results:
     """Run the first cases."""
+    if options.against is not None:
+        return _in_turns(options, options.against)
     found: dict[str, list[dict[str, Any]]] = {}
     for case in CASES[: options.cases]:
         found[case.name] = _measured(options, case)
@@ -91,21 +96,55 @@ def run(options: Options) -> Results:
     )
 
 
-def _measured(options: Options, case: Case) -> list[dict[str, Any]]:
-    """Run one case; raises LexstackError where it does not come to its end."""
-    out = options.out / case.name.replace(" ", "_").replace(",", "")
+def _in_turns(options: Options, folder: Path) -> Results:
+    """Run this clone and another one in turns, in lockstep: the ratio is that of the medians."""
+    case, theirs = CASES[0], Clone(folder)
+    runs: dict[str, list[list[dict[str, Any]]]] = {"this clone": [], folder.name: []}
+    for turn in range(1, _TURNS + 1):
+        for name, clone in zip(runs, (None, theirs), strict=True):
+            runs[name].append(_measured(options, case, clone, f"{turn} of {name}"))
+            rates = ", ".join(f"{_rate(phase):.0f}" for phase in runs[name][-1])
+            options.say(f"turn {turn}, {name}: {rates} ticks/s")
+    figures = []
+    for k, phase in enumerate(case.phases):
+        ours, others = (np.median([_rate(run[k]) for run in each]) for each in runs.values())
+        name = f"Lockstep over {folder.name}, {_WHOM[phase]}"
+        figures.append(Figure(name, float(ours / others), "times"))
+    rows = [
+        _row(f"{name}, turn {turn}", phase)
+        for name, each in runs.items()
+        for turn, run in enumerate(each, 1)
+        for phase in run
+    ]
+    setup = {"turns": _TURNS, "seconds_lockstep": _SHORT}
+    return options.results(NAME, figures, Table.of(rows), setup)
+
+
+def _measured(
+    options: Options, case: Case, clone: Clone | None = None, name: str = ""
+) -> list[dict[str, Any]]:
+    """Run one case, in another clone if one is given.
+
+    Raises LexstackError where the run does not come to its end.
+    """
+    out = options.out / re.sub(r"\W+", "_", name or case.name.replace(",", ""))
     out.mkdir()
     path = out / "asked.yaml"
-    path.write_text(_scenario(options, case, out).to_yaml(), encoding="utf-8")
+    path.write_text(_scenario(options, case, out, clone), encoding="utf-8")
     seconds = _SHORT if case.mode == "lockstep" else options.seconds / len(case.phases)
     words = ["--scenario", str(path), "--out", str(out), "--seconds", f"{seconds:g}"]
-    done = subprocess.run(
-        [sys.executable, "-m", _MODULE, *words, "--phases", ",".join(case.phases)],
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=_PATIENCE + len(case.phases) * seconds,
-    )
+    words += ["--phases", ",".join(case.phases)]
+    timeout = _PATIENCE + len(case.phases) * seconds
+    if clone is not None:
+        done = clone.python("-m", clone.load, *words, timeout=timeout)
+    else:
+        done = subprocess.run(
+            [sys.executable, "-m", _MODULE, *words],
+            check=False,
+            capture_output=True,
+            text=True,
+            timeout=timeout,
+        )
     if done.returncode:
         last = done.stderr.strip().splitlines()
         raise LexstackError(f"{case.name}: {last[-1] if last else 'failed'}; logs: {out / 'logs'}")
@@ -114,19 +153,21 @@ def _measured(options: Options, case: Case) -> list[dict[str, Any]]:
     return phases
 
 
-def _scenario(options: Options, case: Case, out: Path) -> ResolvedScenario:
-    """Return the scenario of a case: it has no end and no events."""
+def _scenario(options: Options, case: Case, out: Path, clone: Clone | None) -> str:
+    """Return the resolved scenario of a case: it has no end and no events."""
     name = "eight_robots" if case.robots else "faults"
-    source = options.config / "scenarios" / f"{name}.yaml"
+    config = options.config if clone is None else clone.root / "config"
+    source = config / "scenarios" / f"{name}.yaml"
     data = yaml.safe_load(source.read_text(encoding="utf-8"))
     if case.robots:
         data["robots"] = dict(list(data["robots"].items())[: case.robots])
         data["base_target"] = {name: data["base_target"][name] for name in data["robots"]}
     data |= {"events": [], "mode": case.mode, "duration": 1e5, "seed": options.seed}
-    data["solvers"] = case.solvers
+    if case.solvers > 1:
+        data["solvers"] = case.solvers
     path = out / "scenario.yaml"
     path.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
-    return replace(load_scenario(path, options.config))
+    return clone.resolved(path) if clone is not None else load_scenario(path, config).to_yaml()
 
 
 def _add_times(bag: Path, phases: Sequence[dict[str, Any]]) -> None:
@@ -262,4 +303,5 @@ EXPERIMENT = Experiment(
     run,
     seconds=SECONDS,
     soak=SOAK,
+    against=True,
 )
