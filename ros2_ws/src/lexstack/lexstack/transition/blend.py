@@ -142,7 +142,7 @@ class Blend:
                 moved, mine = self.step - drift, self.route.group.columns
                 gap_motion = with_mismatch(self.gap_motion, moved, mine, self.duration, context)
         if gap_motion is not None:
-            bridge = replace(bridge, motion=gap_motion.at(elapsed))
+            bridge = Bridge(bridge.delta, bridge.epsilon, gap_motion.at(elapsed))
         known = self.drift if unsteady else drift
         # Not by dataclasses.replace, which takes three times as long.
         latched = (self.route, self.source, self.start, self.duration, bridge, chi, self.step)

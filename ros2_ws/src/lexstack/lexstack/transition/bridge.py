@@ -63,9 +63,8 @@ def bridged(
     rest = 1.0 - alpha
     first = level
     if bridge.epsilon is not None:
-        first = tuple(
-            _moved_by(task, rest * gap) for task, gap in zip(level, bridge.epsilon, strict=True)
-        )
+        pairs = zip(level, bridge.epsilon, strict=True)
+        first = tuple([_moved_by(task, rest * gap) for task, gap in pairs])
     target = source + rest * bridge.delta
     if bridge.motion is not None:
         target += bridge.motion
@@ -74,8 +73,9 @@ def bridged(
 
 def _moved_by(task: LinearTask, gap: Vector) -> LinearTask:
     """Return a task with its ends moved by ``gap``, shape (m,)."""
-    ends = task.lower + gap, task.upper + gap
-    return LinearTask(task.name, task.matrix, *ends, task.curve, task.feed, task.frame)
+    lower = task.lower + gap
+    upper = lower if task.upper is task.lower else task.upper + gap
+    return LinearTask(task.name, task.matrix, lower, upper, task.curve, task.feed, task.frame)
 
 
 def _gap(task: LinearTask, command: Vector) -> Vector:

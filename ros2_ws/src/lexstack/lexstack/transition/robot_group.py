@@ -60,7 +60,10 @@ class RobotGroup:
     def follow(self, target: Vector) -> tuple[LinearTask, ...]:
         """Return the level chi -> target, shape (n,), on these robots' joints, T(33)."""
         return tuple(
-            LinearTask.equality(name, rows, target[columns]) for name, columns, rows in self.pieces
+            [
+                LinearTask.equality(name, rows, target[columns])
+                for name, columns, rows in self.pieces
+            ]
         )
 
 
