@@ -6,6 +6,8 @@ import math
 import pytest
 
 from lexstack_experiments.benches import htmpc as bench
+from lexstack_experiments.benches import htmpc_peers as peers
+from lexstack_experiments.commands import bench as bench_command
 from lexstack_experiments.commands import experiment
 from lexstack_experiments.experiments import EXPERIMENTS, delivery, htmpc_tuning
 from support.results import numbers
@@ -112,6 +114,21 @@ def test_computation(tmp_path, monkeypatch):
     assert all(0.1 < row["ms mean"] < 1e3 for row in [*rows, *htidkc])
     ratios = [row["paper over ours"] for row in rows if row["parameters"] == "authors"]
     assert min(ratios) > 1.0
+
+
+def test_peers_on_one_level_take_the_same_step(tmp_path, monkeypatch):
+    monkeypatch.setattr(peers, "ROBOTS", ("panda_summit",))
+    monkeypatch.setattr(peers, "HORIZONS", (10,))
+    command = ["htmpc-peers", "--out", str(tmp_path), "--cases", "3"]
+    assert bench_command.main(command) == 0
+    content = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
+    rows = {row["solver"]: row for row in content["tables"][0]["rows"]}
+    steps = [rows[name] for name in ("lexstack", "the paper's way, OSQP", "HPIPM through CasADi")]
+    gaps = [float(row["gap, mean"]) for row in steps]
+    assert gaps[1:] == pytest.approx([gaps[0]] * 2, rel=0.2, abs=1e-5)
+    assert float(rows["lexstack, to the end"]["gap, mean"]) <= gaps[0] + 1e-6
+    assert sum(row["failed"] for row in rows.values()) == 0
+    assert any("crocoddyl" in note for note in content["notes"]), "how to have it is said"
 
 
 def test_tuning_gives_every_controller_as_many_trials(tmp_path, monkeypatch):
