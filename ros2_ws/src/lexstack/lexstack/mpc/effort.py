@@ -15,37 +15,40 @@ class Effort:
 
     Attributes:
         hessian: for every joint one matrix, shape (N, N, n).
+        velocity: S, shape (n,).
+        input: R, shape (n,).
+        change: W, shape (n,).
     """
 
     def __init__(self, config: EffortConfig, horizon: Horizon, joints: int, base: int = 3) -> None:
         """Condense the weights for a robot of which the first ``base`` joints are its base's."""
         self._horizon = horizon
-        self._velocity = _weights(config.base_velocity, config.arm_velocity, joints, base)
-        self._input = _weights(config.base_input, config.arm_input, joints, base)
-        self._change = _weights(config.base_change, config.arm_change, joints, base)
+        self.velocity = _weights(config.base_velocity, config.arm_velocity, joints, base)
+        self.input = _weights(config.base_input, config.arm_input, joints, base)
+        self.change = _weights(config.base_change, config.arm_change, joints, base)
         velocities, changes = horizon.to_velocity, horizon.change
         self.hessian: NDArray[np.float64] = (
-            (velocities.T @ velocities)[:, :, None] * self._velocity
-            + np.eye(horizon.stages)[:, :, None] * self._input
-            + (changes.T @ changes)[:, :, None] * self._change
+            (velocities.T @ velocities)[:, :, None] * self.velocity
+            + np.eye(horizon.stages)[:, :, None] * self.input
+            + (changes.T @ changes)[:, :, None] * self.change
         )
 
     def value(self, v: Matrix, u: Matrix, previous: Vector) -> float:
         """Return J_eff of v (states 1 to N), u, both (N, n), and the input before, (n,)."""
         changes = self._changes(u, previous)
         total = (
-            np.vdot(v * self._velocity, v)
-            + np.vdot(u * self._input, u)
-            + np.vdot(changes * self._change, changes)
+            np.vdot(v * self.velocity, v)
+            + np.vdot(u * self.input, u)
+            + np.vdot(changes * self.change, changes)
         )
         return 0.5 * float(total)
 
     def gradient(self, v: Matrix, u: Matrix, previous: Vector) -> Matrix:
         """Return its gradient in the inputs, shape (N, n)."""
-        changes = self._changes(u, previous) * self._change
+        changes = self._changes(u, previous) * self.change
         return np.asarray(
-            self._horizon.to_velocity.T @ (v * self._velocity)
-            + u * self._input
+            self._horizon.to_velocity.T @ (v * self.velocity)
+            + u * self.input
             + self._horizon.change.T @ changes
         )
 

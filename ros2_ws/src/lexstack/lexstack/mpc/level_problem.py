@@ -40,10 +40,34 @@ class Iterate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quadratic:
-    """The cost of a level near an iterate: gradient (N n,) and Gauss-Newton Hessian (N n, N n)."""
+    """The cost of a level near an iterate, by stages: what the states cost, not yet condensed.
+
+    Attributes:
+        gradient: by the inputs, shape (N n,).
+        coupled: Gauss-Newton Hessian of task and distances by the q of the states 1 to N, shape
+            (N, n_q, n_q).
+        barriers: diagonals of the barriers of the limits by q (the last n of n_q), v and u, shapes
+            (N, n).
+        sensitivity: how q follows the inputs.
+        program: whose cost it is.
+    """
 
     gradient: Vector
-    hessian: Matrix
+    coupled: Array
+    barriers: tuple[Matrix, ...]
+    sensitivity: Sensitivity
+    program: Program
+
+    @property
+    def hessian(self) -> Matrix:
+        """The condensed Gauss-Newton Hessian, shape (N n, N n); a new array."""
+        positions, velocities, inputs = self.barriers
+        stages, n = positions.shape
+        curved = self.coupled.copy()
+        size = curved.shape[1]
+        first = size - n
+        curved.reshape(stages, size * size)[:, first * (size + 1) :: size + 1] += positions
+        return self.program.condensed(self.sensitivity.condensed(curved), velocities, inputs)
 
 
 class Program:
@@ -51,6 +75,7 @@ class Program:
 
     Attributes:
         horizon: the dynamics.
+        effort: H(10).
         hard: limits as constraints, or None.
     """
 
@@ -70,18 +95,23 @@ class Program:
         self.hard = hard
         self.collisions = collisions
         self._model = model
-        self._effort = effort
+        self.effort = effort
         self._barrier = barrier
         self._q, self._v, self._previous = start
         # Of a differential base, x is beyond what follows; y and yaw stand in for the positions of
         # v and w, which have none, and no limits either. So the last n of q go with chi.
         self._first = len(self._q) - len(self._v)
 
+    @property
+    def differential(self) -> bool:
+        """Whether the robot is on a differential base: then joints couple in its dynamics."""
+        return self._first > 0
+
     def iterate(self, u: Matrix) -> Iterate:
         """Roll out inputs of shape (N, n)."""
         q, v = self.horizon.roll_out(self._q, self._v, u)
         at = self._model.at(q[1:])
-        shared_cost = self._effort.value(v[1:], u, self._previous)
+        shared_cost = self.effort.value(v[1:], u, self._previous)
         shared_cost += self._barrier.value(q[1:, self._first :], v[1:], u)
         if self.collisions.active:
             shared_cost += self.collisions.value(at)
@@ -102,7 +132,7 @@ class Program:
     def quadratic(self, iterate: Iterate, task: Task) -> Quadratic:
         """Return the cost of a level near an iterate; only the joints that the task may move."""
         q, v, u, at = iterate.q[1:], iterate.v[1:], iterate.u, iterate.at
-        first, size = self._first, q.shape[1]
+        first = self._first
         slope, curvature = self._barrier.slopes(q[:, first:], v, u)
         jacobian = task.jacobian(at)
         weighted = task.weights[:, :, None] * jacobian
@@ -113,20 +143,19 @@ class Program:
             push, stiffness = self.collisions.slopes(at)
             along_q += push
             curved += stiffness
-        curved.reshape(len(q), size * size)[:, first * (size + 1) :: size + 1] += curvature[0]
         sensitivity = self.sensitivity(iterate)
         gradient = sensitivity.gradient(along_q)
         gradient += self.horizon.to_velocity.T @ (slope[1])
         gradient += slope[2]
-        gradient += self._effort.gradient(v, u, self._previous)
+        gradient += self.effort.gradient(v, u, self._previous)
         if task.moving is not None:
             gradient *= task.moving
             moving = np.concatenate((task.moving[:first], task.moving))  # x with the rest of a base
             curved *= moving[:, None] * moving
-        hessian = self._hessian(sensitivity.condensed(curved), curvature[1], curvature[2])
-        return Quadratic(gradient.reshape(-1), hessian)
+            curvature = (curvature[0] * task.moving, *curvature[1:])
+        return Quadratic(gradient.reshape(-1), curved, curvature, sensitivity, self)
 
-    def _hessian(self, full: Matrix, velocity: Matrix, inputs: Matrix) -> Matrix:
+    def condensed(self, full: Matrix, velocity: Matrix, inputs: Matrix) -> Matrix:
         """Return the condensed Hessian; what comes from the positions (N N, n n) is overwritten.
 
         ``velocity`` and ``inputs`` are the curvatures in v and u, shape (N, n).
@@ -137,7 +166,7 @@ class Program:
         stages, n = inputs.shape
         diagonal = full.reshape(stages, stages, n * n)[:, :, :: n + 1]
         diagonal += (self.horizon.velocity_products @ velocity).reshape(stages, stages, n)
-        diagonal += self._effort.hessian
+        diagonal += self.effort.hessian
         same = np.arange(stages)
         diagonal[same, same] += inputs
         hessian = full.reshape(stages, stages, n, n).transpose(0, 2, 1, 3)

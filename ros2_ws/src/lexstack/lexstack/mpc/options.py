@@ -11,6 +11,9 @@ from lexstack.options import NotNegative, Positive, Range
 Constraint = Literal["sum", "stage", "axis"]
 """How the levels below keep a level's result: H(11) as printed, per stage, or H(12)."""
 
+QpMethod = Literal["structured", "condensed"]
+"""How the QP of an SQP iteration is solved: by its structure, or condensed to the inputs."""
+
 _MOST_STAGES = 100
 _Fraction = Annotated[float, Range(0.0, 1.0, open=True)]
 
@@ -100,6 +103,8 @@ class HtmpcConfig:
     # whether the other robots are avoided where their plans, or else their velocities, will take
     # them; false: where they stand
     predict_others: bool = False
+    # how a QP is solved; a file without this key, and a bag recorded before it, means "condensed"
+    qp: QpMethod = "condensed"
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a correction of what has none."""
@@ -124,5 +129,6 @@ DEFAULT_HTMPC = HtmpcConfig(
     collision=CollisionConfig(0.1, 0.005, 0.05, 0.3, ground=True),
     line_search=LineSearchConfig(0.05, 0.5, 10),
     predict_others=True,
+    qp="structured",
 )
 """The parameters of ``config/htmpc/lexstack.yaml``, where every one has its reason."""
