@@ -86,8 +86,11 @@ class StructuredQp:
         self._limits = limits
         self._parts = (np.ascontiguousarray(quadratic.coupled), own, effort.change)
         self._step, self._kappa = program.horizon.step, kappa
-        self._held = np.empty((3 * stages + 1, n))
-        self._multipliers = np.empty(rows.lower.size)
+        # Signs of what probably holds; the kernel makes multipliers of them.
+        self._held = np.zeros((3 * stages + 1, n))
+        self._held[first.places[0], first.places[1]] = first.sides
+        fits = first.constraints.size == rows.lower.size
+        self._multipliers = self._by_stage(first.constraints if fits else np.zeros(rows.lower.size))
 
     def solve(self, lower: Vector, upper: Vector) -> tuple[Vector, str]:
         """Return d, shape (N n,), and the solver's word; bounds of the constraints, (g,)."""
@@ -135,7 +138,7 @@ class StructuredQp:
         return np.concatenate(parts)
 
     def _solved(self, gradient: Matrix, point: Matrix, lower: Vector, upper: Vector) -> bool:
-        """Solve by the kernel, unless it has left one of these QPs before; return whether it has."""
+        """Solve by the kernel, unless it left one of these QPs before; return whether it has."""
         call = kernel()
         if call is None or self.left:
             return False

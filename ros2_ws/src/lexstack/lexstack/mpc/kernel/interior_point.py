@@ -196,10 +196,10 @@ def interior(qp: Qp, motion: Array, y: Array, gain: float) -> int:
             alpha *= max(0.99, 1.0 - mu)
         if not alpha >= 1e-6:
             break
-        for k in range(3):
-            for l in range(stages):
+        for i in range(3):
+            for k in range(stages):
                 for j in range(n):
-                    motion[k, l, j] += alpha * step[k, l, j]
+                    motion[i, k, j] += alpha * step[i, k, j]
         for i in range(bounds):
             if is_point[i]:
                 y[i] += alpha * right[qp.soft + i - hard]

@@ -2,38 +2,33 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from lexstack.compiled import compiled, entry
+from lexstack.mpc.kernel.bounded import active, cost_alone
 from lexstack.mpc.kernel.interior_point import interior
 from lexstack.mpc.kernel.parts import add_cost, all_values, on_inputs, rolled
+from lexstack.mpc.kernel.pool import Pool, begun, reduce
 from lexstack.mpc.kernel.prepare import gathered
 from lexstack.mpc.kernel.riccati import factor
-from lexstack.mpc.kernel.schur import along, assemble, cholesky, row_values, solve
+from lexstack.mpc.kernel.schur import along, row_values, solve
 from lexstack.mpc.kernel.values import Array, Flags, Gains, Qp, Weights
 
-UNSOLVED, FREE, INTERIOR = 0, 1, 2
+UNSOLVED, FREE, ACTIVE, INTERIOR = 0, 1, 2, 3
+# Of the active set method, before the interior point method takes its place.
+LIMITS, LIMITS_PER_STAGE = 40, 4
+CHANGES, CHANGES_PER_STAGE = 60, 6
 _BEYOND = 1e-9  # m, rad, m/s ...: by how much an answer may exceed a bound
 
 
 @compiled
-def without_bounds(qp: Qp, motion: Array) -> bool:
-    """Fill the least of the cost alone, with what it leads to, shape (3, N, n)."""
-    stages, n = qp.gradient.shape
-    gains = Gains(np.empty((3, stages, n)), np.empty((stages, n)))
-    factor(qp.dt, qp.kappa, qp.weights, qp.fixed, gains)
-    free = Qp(
-        qp.dt, qp.kappa, qp.gradient, qp.weights, qp.rows[: qp.soft], qp.stages[: qp.soft],
-        qp.wide[:0], qp.soft, qp.fixed, qp.low, qp.high, qp.lower[:0], qp.upper[:0],
-    )  # fmt: skip
-    matrix = np.empty((qp.soft, qp.soft))
-    assemble(free, gains, np.ones(qp.soft), matrix)
-    if not cholesky(matrix, qp.soft, 1e-15):
-        return False
-    force = np.zeros((3, stages, n))
+def least(qp: Qp, gains: Gains, pool: Pool, motion: Array) -> None:
+    """Fill where the cost alone is least, with what it leads to, shape (3, N, n)."""
+    force = np.zeros(motion.shape)
     force[0] = -qp.gradient
-    solve(free, gains, matrix, force, np.zeros(qp.soft), motion)
-    return True
+    solve(cost_alone(qp), gains, pool.joined, force, np.zeros(qp.soft), motion)
 
 
 @compiled
@@ -96,8 +91,8 @@ def solve_level(
         limits: lower and upper ones of u, v, q and the last row, shape (2, 3 N + 1, n).
         fixed: inputs that stay, shape (N, n).
         direction: d, shape (N, n), to be filled.
-        held: multipliers of the limits, shape (3 N + 1, n), to be filled.
-        multipliers: of the bounded rows, shape (N r + w,), to be filled; 0 of those of one joint.
+        held: signs of the limits that probably hold, shape (3 N + 1, n); then their multipliers.
+        multipliers: of the bounded rows likewise, shape (N r + w,); then 0 of those of one joint.
     """
     stages, n = gradient.shape
     slope, motion = gradient.copy(), np.empty((3, stages, n))
@@ -111,27 +106,47 @@ def solve_level(
     row_values(qp, motion[2], rows)
     add_cost(qp, motion, rows, -1.0, force)
     slope += on_inputs(qp, force)
-    held[:] = 0.0
-    multipliers[:] = 0.0
-    if not without_bounds(qp, motion):
+    if 2 * qp.soft > stages * n:
         return UNSOLVED
-    if exceeded(qp, motion) <= 0.0:
-        direction[:] = motion[0]
-        return FREE
-    gain = max(1.5 * abs(along(qp.gradient, motion[0])), 1e-12)
-    motion[:] = 0.0
-    y = np.empty((3 * stages + 1) * n + qp.lower.size)
-    if interior(qp, motion, y, gain) < 0:
+    gains = Gains(np.empty((3, stages, n)), np.empty((stages, n)))
+    factor(qp.dt, qp.kappa, qp.weights, qp.fixed, gains)
+    pool = begun(qp, gains, LIMITS + LIMITS_PER_STAGE * stages)
+    if not reduce(qp, pool):
         return UNSOLVED
-    rolled(qp, motion[0].copy(), motion)
-    if not exceeded(qp, motion) <= _BEYOND:
+    least(qp, gains, pool, motion)
+    over = exceeded(qp, motion)
+    if not math.isfinite(over):
         return UNSOLVED
-    direction[:] = motion[0]
     hard = held.size
+    y = np.zeros(hard + qp.lower.size)
+    if over > 0.0:
+        y[:hard] = held.reshape(-1)
+        for i in range(places.size):
+            if places[i] >= 0:
+                y[hard + places[i]] = multipliers[i]
+        for w in range(len(wide)):
+            y[y.size - len(wide) + w] = multipliers[places.size + w]
+        gain = max(1.5 * abs(along(qp.gradient, motion[0])), 1e-12)
+    how = FREE
+    if over > 0.0:
+        how = ACTIVE
+        found = active(qp, gains, pool, motion, y, CHANGES + CHANGES_PER_STAGE * stages) >= 0
+        rolled(qp, motion[0].copy(), motion)
+        if not (found and exceeded(qp, motion) <= _BEYOND):
+            how = INTERIOR
+            motion[:] = 0.0
+            found = interior(qp, motion, y, gain) >= 0
+            rolled(qp, motion[0].copy(), motion)
+            if not (found and exceeded(qp, motion) <= _BEYOND):
+                held[:] = 0.0
+                multipliers[:] = 0.0
+                return UNSOLVED
+    direction[:] = motion[0]
     held[:] = y[:hard].reshape(held.shape)
+    multipliers[:] = 0.0
     for i in range(places.size):
         if places[i] >= 0:
             multipliers[i] = y[hard + places[i]]
     for w in range(len(wide)):
         multipliers[places.size + w] = y[y.size - len(wide) + w]
-    return INTERIOR
+    return how

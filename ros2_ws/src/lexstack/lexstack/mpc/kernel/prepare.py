@@ -68,7 +68,7 @@ def split(coupled: Array, positions: Array, rows: Array, stages: Places) -> int:
 def place_bounds(
     slopes: Array, lower: Array, upper: Array, low: Array, high: Array, places: Places
 ) -> int:
-    """Find the rows that couple joints, or have no room; those of one joint narrow the limits of its position.
+    """Find the rows that couple joints, or have no room; those of one joint narrow its limits.
 
     Args:
         slopes: bounded rows of each state, shape (N, r, n).

@@ -125,13 +125,40 @@ def covariances(dt: float, gains: Gains, result: Array) -> None:
             spread[5, j] = uu
             state[0, j], state[1, j], state[2, j] = spread[0, j], spread[1, j], spread[3, j]
             result[k, k, j] = spread[0, j]
-        for l in range(k + 1, stages):
+        for later in range(k + 1, stages):
             for j in range(n):
                 q, v = state[0, j], state[1, j]
                 u = -(
-                    feedback[0, l, j] * q + feedback[1, l, j] * v + feedback[2, l, j] * state[2, j]
+                    feedback[0, later, j] * q
+                    + feedback[1, later, j] * v
+                    + feedback[2, later, j] * state[2, j]
                 )
                 q += dt * v + half * u
-                result[k, l, j] = q
-                result[l, k, j] = q
+                result[k, later, j] = q
+                result[later, k, j] = q
                 state[0, j], state[1, j], state[2, j] = q, v + dt * u, u
+
+
+@compiled
+def respond_joint(dt: float, gains: Gains, force: Array, motion: Array, joint: int) -> None:
+    """Do what ``respond`` does for one joint, all shapes (3, N)."""
+    stages = force.shape[1]
+    half = 0.5 * dt * dt
+    by_q, by_v, by_p = 0.0, 0.0, 0.0
+    feedback, variances = gains.feedback, gains.variances
+    for k in range(stages - 1, -1, -1):
+        along_q, along_v = by_q - force[2, k], by_v - force[1, k]
+        along_u = half * along_q + dt * along_v + by_p - force[0, k]
+        motion[0, k] = -variances[k, joint] * along_u
+        by_q = along_q - feedback[0, k, joint] * along_u
+        by_v = dt * along_q + along_v - feedback[1, k, joint] * along_u
+        by_p = -feedback[2, k, joint] * along_u
+    q, v, before = 0.0, 0.0, 0.0
+    for k in range(stages):
+        u = motion[0, k] - (
+            feedback[0, k, joint] * q + feedback[1, k, joint] * v + feedback[2, k, joint] * before
+        )
+        q += dt * v + half * u
+        v += dt * u
+        before = u
+        motion[0, k], motion[1, k], motion[2, k] = u, v, q

@@ -1,4 +1,4 @@
-"""The rows that couple joints: S = A B^-1 A' + D^-1 of all of them, its Cholesky factor, and solves.
+"""The rows that couple joints: S = A B^-1 A' + D^-1, its Cholesky factor, and solves.
 
 With B block diagonal by joints, and rows A with weights D (of the cost: 1; of a bound that an
 interior point method keeps: its z / s; of one that is held: infinite),
