@@ -14,6 +14,7 @@ from lexstack.mpc.collision_cost import Collisions, CollisionScene
 from lexstack.mpc.double_integrator import Horizon
 from lexstack.mpc.effort import Effort
 from lexstack.mpc.hard_limits import HardLimits
+from lexstack.mpc.iteration_clock import IterationClock
 from lexstack.mpc.level_problem import Iterate, Program
 from lexstack.mpc.level_sqp import Level
 from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
@@ -24,6 +25,7 @@ from lexstack.mpc.other_robots import OtherRobot, scene_of
 from lexstack.mpc.plan import Plan
 from lexstack.mpc.stage_kinematics import StageModel
 from lexstack.mpc.status import LevelStatus, Outcome
+from lexstack.mpc.structured_qp import load_kernel
 from lexstack.mpc.tracking_objectives import Objective, Task
 from lexstack.mpc.unicycle_horizon import UnicycleHorizon
 from lexstack.mpc.unicycle_lead import UnicycleLead
@@ -90,6 +92,8 @@ class Htmpc:
             limits.acceleration,
         )
         self._hard = HardLimits(limits, self.horizon) if config.hard_limits else None
+        if config.qp == "structured" and not robot.differential:
+            load_kernel()
 
     def solve(
         self,
@@ -112,6 +116,7 @@ class Htmpc:
             InputError: a shape or value that is wrong; what a solver does is in the status.
         """
         begun = perf_counter()
+        clock = IterationClock(self.config.deadline)
         self._check(start, objectives)
         state = start.q, start.v
         tasks = [
@@ -123,7 +128,7 @@ class Htmpc:
         program = self.program(start, before, around, frames_of(tasks))
         iterate = program.iterate(self._guess(start, tasks, before, program))
         iterate = _led(program, tasks[0], iterate)
-        levels, active_sets, iterate = self._solve_levels(program, tasks, iterate, before)
+        levels, active_sets, iterate = self._solve_levels(program, tasks, iterate, before, clock)
         return Plan(
             stamp=start.stamp,
             step=self.config.step,
@@ -168,7 +173,12 @@ class Htmpc:
         return self._models[key]
 
     def _solve_levels(
-        self, program: Program, tasks: list[Task], iterate: Iterate, before: Plan | None
+        self,
+        program: Program,
+        tasks: list[Task],
+        iterate: Iterate,
+        before: Plan | None,
+        clock: IterationClock,
     ) -> tuple[list[LevelStatus], tuple[ActiveSet, ...], Iterate]:
         """Solve all levels in order; what comes below a failure is skipped."""
         constraints: list[LexicographicConstraint] = []
@@ -181,7 +191,7 @@ class Htmpc:
                 levels.append(_skipped(i, task, iterate))
                 continue
             guess = known[i] if i < len(known) else EMPTY
-            level = Level(self.config, program, task, tuple(constraints), guess)
+            level = Level(self.config, program, task, tuple(constraints), guess, clock)
             if i and self.config.restart_from_previous:
                 iterate = level.better(iterate, guessed)
             iterate, status = level.solve(iterate)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lexstack.mpc.iteration_clock import IterationClock
 from lexstack.mpc.level_problem import Iterate, Program, Quadratic
 from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
 from lexstack.mpc.limited_qp import EMPTY, ActiveSet, LevelQp, condensed_qp
@@ -48,8 +49,11 @@ class Level:
         task: Task,
         constraints: tuple[LexicographicConstraint, ...],
         active_set: ActiveSet = EMPTY,
+        clock: IterationClock | None = None,
     ) -> None:
         """Take the level's task, and the constraints of the levels above, highest first."""
+        self._clock = IterationClock() if clock is None else clock
+        self._left = 0
         self._config = config
         self._program = program
         self._task = task
@@ -67,14 +71,19 @@ class Level:
         steps: list[_Step] = []
         iterate = start
         first = self._program.cost(start, self._task)
+        late = False
         for _ in range(self._config.iterations):
+            late = not self._clock.enough()
+            if late:
+                break
             step = self._step(iterate)
+            self._clock.done()
             steps.append(step)
             before, iterate = iterate, step.iterate
             if step.outcome is not Outcome.STEPPED or self._stops_early(before, iterate):
                 break
         last = self._program.cost(iterate, self._task)
-        return iterate, self._status(steps, first - last, iterate)
+        return iterate, self._status(steps, first - last, iterate, late)
 
     def _stops_early(self, before: Iterate, after: Iterate) -> bool:
         """Return whether another iteration is not worth its time: the task hardly gained by this.
@@ -90,9 +99,11 @@ class Level:
         """Return J of H(8) alone."""
         return self._task.cost_at(iterate.at)
 
-    def _status(self, steps: list[_Step], decrease: float, iterate: Iterate) -> LevelStatus:
+    def _status(
+        self, steps: list[_Step], decrease: float, iterate: Iterate, late: bool
+    ) -> LevelStatus:
         """Return the level's status: its last iteration decides, but a step stays a step."""
-        outcome = steps[-1].outcome
+        outcome = steps[-1].outcome if steps else Outcome.LATE
         if outcome is Outcome.BLOCKED and len(steps) > 1:
             outcome = Outcome.STEPPED
         return LevelStatus(
@@ -103,9 +114,11 @@ class Level:
             steps=tuple(step.alpha for step in steps),
             trials=sum(step.trials for step in steps),
             blocked_by=next((s.blocked_by for s in reversed(steps) if s.blocked_by), ""),
-            qp=steps[-1].qp,
+            qp=steps[-1].qp if steps else "not tried",
             cost=self._cost(iterate),
             decrease=decrease,
+            late=late,
+            condensed=self._left,
         )
 
     def _step(self, iterate: Iterate) -> _Step:
@@ -116,9 +129,9 @@ class Level:
             return _Step(iterate, Outcome.FAILED, 0.0, 0, "", "not tried: a cost is not finite")
         direction, bend, word = self._direction(iterate, quadratic)
         if word != "solved":
-            # The zero step is always allowed (``LinearRows``): "infeasible" is the verdict of rounding
-            # on rows that depend on each other. The iterate is as good as it was, and the levels
-            # below may be served.
+            # The zero step is always allowed (``LinearRows``): "infeasible" is the verdict of
+            # rounding on rows that depend on each other. The iterate is as good as it was, and the
+            # levels below may be served.
             vain = word == "infeasible" and self._constraints
             return _Step(iterate, Outcome.BLOCKED if vain else Outcome.FAILED, 0.0, 0, "", word)
         slope = float(quadratic.gradient @ direction)
@@ -186,6 +199,15 @@ class Level:
         limited, word = make(quadratic, rows, self._program.hard, iterate.u, self.active_set)
         if limited is None:
             return none, none, word
+        direction, bend, word = self._solved(iterate, limited, rows)
+        self._left += limited.left
+        return direction, bend, word
+
+    def _solved(
+        self, iterate: Iterate, limited: LevelQp, rows: LinearRows
+    ) -> tuple[Vector, Vector, str]:
+        """Solve a QP, and the one for the correction: see ``_direction``."""
+        none = np.zeros(iterate.u.size)
         direction, word = limited.solve(rows.lower, rows.upper)
         # Kept before the second QP: it is a guess for the first one of the next iteration.
         self.active_set = limited.active_set

@@ -105,6 +105,9 @@ class HtmpcConfig:
     predict_others: bool = False
     # how a QP is solved; a file without this key, and a bag recorded before it, means "condensed"
     qp: QpMethod = "condensed"
+    # s of wall time for a solve, after which no iteration is begun but the first one; 0: no end.
+    # With it plans depend on the machine, so runs in lockstep have none
+    deadline: NotNegative = 0.0
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a correction of what has none."""

@@ -5,7 +5,9 @@ It never makes the Hessian of all inputs: see ``kernel`` and docs/htmpc.md.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
@@ -17,11 +19,18 @@ from lexstack.mpc.linear_rows import LinearRows
 from lexstack.types import Matrix, Vector
 
 _UNSOLVED = 0
+# About the time of ten factorisations of the interior point method, which needs 10 to 20.
+_CHANGES, _CHANGES_PER_STAGE = 60, 6
 
 
-def kernel() -> Callable[..., int] | None:
-    """Return the compiled kernel, compiled or loaded at the first call; None without numba."""
+@cache
+def load_kernel() -> Callable[..., int] | None:
+    """Return the kernel, at the first call compiled or loaded as it was compiled before.
+
+    Without numba it is None, with a warning: every QP is condensed then.
+    """
     if not available():
+        warnings.warn("numba is not installed: the MPC condenses its QPs", stacklevel=2)
         return None
     from lexstack.mpc.kernel.method import solve_level  # noqa: PLC0415 - compiles it
 
@@ -42,8 +51,19 @@ class StructuredQp:
         hard: HeldLimits | None,
         u: Matrix,
         first: ActiveSet = EMPTY,
+        most: int | None = None,
     ) -> None:
-        """Take the cost, the constraints of the levels above, the hard limits, and the inputs."""
+        """Take the QP of a level.
+
+        Args:
+            quadratic: its cost at an iterate.
+            rows: the constraints of the levels above.
+            hard: limits, or None.
+            u: the inputs, shape (N, n).
+            first: what probably holds.
+            most: changes of it before the interior point method takes the active set's place.
+        """
+        self._most = _CHANGES + _CHANGES_PER_STAGE * len(u) if most is None else most
         self._quadratic, self._rows, self._hard, self._u = quadratic, rows, hard, u
         self._first = first
         self._condensed: LimitedQp | None = None
@@ -139,7 +159,7 @@ class StructuredQp:
 
     def _solved(self, gradient: Matrix, point: Matrix, lower: Vector, upper: Vector) -> bool:
         """Solve by the kernel, unless it left one of these QPs before; return whether it has."""
-        call = kernel()
+        call = load_kernel()
         if call is None or self.left:
             return False
         self._direction = np.empty(self._u.shape)
@@ -158,6 +178,7 @@ class StructuredQp:
                 self._direction,
                 self._held,
                 self._multipliers,
+                self._most,
             )
             != _UNSOLVED
         )

@@ -1,9 +1,9 @@
-"""The dual active set method of Goldfarb and Idnani on the ``pool``: which bounds hold, and how hard.
+"""The dual active set method of Goldfarb and Idnani on the ``pool``: which bounds hold.
 
 Beginning with the least of the cost alone, the bound that is exceeded most is added to those that
 hold; on the way multipliers of others may become 0, and these are let go. Every step raises the
-cost, so no set returns. The Cholesky factor of G of the bounds that hold grows by a row for each one
-added, and shrinks by rotations.
+cost, so no set returns. The Cholesky factor of G of the bounds that hold grows by a row for each
+one added, and shrinks by rotations.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def backward(factor: Array, count: int, values: Array) -> None:
 
 @compiled
 def dropped(factor: Array, count: int, place: int) -> None:
-    """Take the row ``place`` out of G's factor L, of the first rows, by rotations of its columns."""
+    """Take the row ``place`` out of L, of the first rows, by rotations of its columns."""
     for i in range(place, count - 1):
         for j in range(i + 2):
             factor[i, j] = factor[i + 1, j]
@@ -93,7 +93,7 @@ def taken(gram: Array, factor: Array, held: Places, count: int, row: int) -> boo
 
 @compiled
 def settle(
-    gram: Array, factor: Array, held: Places, sides: Array, count: int,
+    factor: Array, held: Places, sides: Array, count: int,
     free: Array, low: Array, high: Array, multipliers: Array,
 ) -> int:  # fmt: skip
     """Find the multipliers of what holds; let go of wrong signs; return how many hold.

@@ -1,8 +1,9 @@
-"""The QP by its active set: the limits that a solution exceeds enter the pool, until none is left."""
+"""The QP by its active set: limits that a solution exceeds enter the pool, until none is left."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,10 +12,32 @@ from lexstack.mpc.kernel.active_set import backward, exchange, forward, settle, 
 from lexstack.mpc.kernel.parts import add_multipliers, all_values
 from lexstack.mpc.kernel.pool import Pool, add_limit
 from lexstack.mpc.kernel.schur import solve
-from lexstack.mpc.kernel.values import Array, Gains, Qp
+from lexstack.mpc.kernel.values import Array, Gains, Places, Qp
 
 _ROUNDS = 20
 _BEYOND = 5e-10  # in the unit of a bound
+
+
+class Holding(NamedTuple):
+    """The bounds in the pool, shape (c,) each, and the factor of those that hold.
+
+    Attributes:
+        low: lower bounds.
+        high: upper bounds.
+        values: A d.
+        sides: 1 where the upper one holds, -1 the lower, else 0; 2: depends on others.
+        multipliers: y.
+        held: which hold, in the order of the factor.
+        factor: L of G of those that hold.
+    """
+
+    low: Array
+    high: Array
+    values: Array
+    sides: Array
+    multipliers: Array
+    held: Places
+    factor: Array
 
 
 @compiled
@@ -24,6 +47,56 @@ def cost_alone(qp: Qp) -> Qp:
         qp.dt, qp.kappa, qp.gradient, qp.weights, qp.rows[: qp.soft], qp.stages[: qp.soft],
         qp.wide[:0], qp.soft, qp.fixed, qp.low, qp.high, qp.lower[:0], qp.upper[:0],
     )  # fmt: skip
+
+
+@compiled
+def guessed(
+    qp: Qp, gains: Gains, pool: Pool, values: Array, low: Array, high: Array, y: Array
+) -> tuple[Holding, int, int]:
+    """Return what holds of a guess, y of shape (M,), with the pool's size and how many hold."""
+    hard, size, space = qp.low.size, qp.lower.size, len(pool.gram)
+    for bound in range(hard):
+        end = high[bound] if y[bound] > 0.0 else low[bound]
+        if y[bound] != 0.0 and math.isfinite(end) and size < space:
+            add_limit(qp, gains, pool, size, bound)
+            size += 1
+    own = Holding(
+        np.empty(space), np.empty(space), np.empty(space), np.zeros(space), np.zeros(space),
+        np.zeros(space + 1, dtype=np.int64), np.zeros((space + 1, space + 1)),
+    )  # fmt: skip
+    count = 0
+    for p in range(size):
+        bound = pool.places[p]
+        own.values[p], own.low[p], own.high[p] = values[bound], low[bound], high[bound]
+        end = high[bound] if y[bound] > 0.0 else low[bound]
+        if y[bound] == 0.0 or not math.isfinite(end):
+            continue
+        if taken(pool.gram, own.factor, own.held, count, p):
+            own.sides[p] = 1.0 if y[bound] > 0.0 else -1.0
+            count += 1
+    count = settle(
+        own.factor, own.held, own.sides, count, own.values, own.low, own.high, own.multipliers
+    )
+    return own, size, count
+
+
+@compiled
+def refined(pool: Pool, own: Holding, size: int, count: int) -> None:
+    """Hold what holds to the last digit, with values as measured."""
+    correction = np.empty(count)
+    for i in range(count):
+        row = own.held[i]
+        end = own.high[row] if own.sides[row] > 0.0 else own.low[row]
+        correction[i] = own.values[row] - end
+        own.values[row] = end
+    forward(own.factor, count, correction)
+    backward(own.factor, count, correction)
+    for i in range(count):
+        own.multipliers[own.held[i]] += correction[i]
+    for p in range(size):
+        if own.sides[p] != 1.0 and own.sides[p] != -1.0:
+            for i in range(count):
+                own.values[p] -= pool.gram[p, own.held[i]] * correction[i]
 
 
 @compiled
@@ -41,88 +114,45 @@ def active(qp: Qp, gains: Gains, pool: Pool, motion: Array, y: Array, most: int)
     Returns:
         How many changes it took, or -1 where it did not come to an end.
     """
-    hard = qp.low.size
-    free = cost_alone(qp)
-    size, space = qp.lower.size, len(pool.gram)
-    bounds = y.size
-    low, high = np.empty(bounds), np.empty(bounds)
-    low[:hard], high[:hard] = qp.low.reshape(-1), qp.high.reshape(-1)
-    low[hard:], high[hard:] = qp.lower, qp.upper
-    values = np.empty(bounds)
+    hard, space = qp.low.size, len(pool.gram)
+    low = np.concatenate((qp.low.copy().reshape(-1), qp.lower))
+    high = np.concatenate((qp.high.copy().reshape(-1), qp.upper))
+    values = np.empty(y.size)
     all_values(qp, motion, values)
-    for bound in range(hard):
-        end = high[bound] if y[bound] > 0.0 else low[bound]
-        if y[bound] != 0.0 and math.isfinite(end) and size < space:
-            add_limit(qp, gains, pool, size, bound)
-            size += 1
-    own_low, own_high, own = np.empty(space), np.empty(space), np.empty(space)
-    sides, multipliers = np.zeros(space), np.zeros(space)
-    factor, held = np.zeros((space + 1, space + 1)), np.zeros(space + 1, dtype=np.int64)
-    count, known, changes = 0, 0, 0
-    for p in range(size):
-        bound = pool.places[p]
-        own[p], own_low[p], own_high[p] = values[bound], low[bound], high[bound]
-        if y[bound] != 0.0 and taken(pool.gram, factor, held, count, p):
-            sides[p] = 1.0 if y[bound] > 0.0 else -1.0
-            if math.isfinite(own_high[p] if sides[p] > 0.0 else own_low[p]):
-                count += 1
-            else:
-                sides[p] = 0.0
-    known = size
-    count = settle(pool.gram, factor, held, sides, count, own, own_low, own_high, multipliers)
-    least = motion.copy()
-    _, stages, n = motion.shape
-    force, response = np.empty((3, stages, n)), np.empty((3, stages, n))
-    right = np.empty(qp.soft)
-    y[:] = 0.0
-    started = count > 0
-    for _ in range(_ROUNDS):
-        if started:
-            y[:] = 0.0
+    own, size, count = guessed(qp, gains, pool, values, low, high, y)
+    free, least = cost_alone(qp), motion.copy()
+    force, response, right = np.empty(motion.shape), np.empty(motion.shape), np.empty(qp.soft)
+    changes, known = 0, size
+    for turn in range(_ROUNDS):
+        y[:] = 0.0
+        if turn > 0 or count > 0:
             for p in range(size):
-                y[pool.places[p]] = multipliers[p]
+                y[pool.places[p]] = own.multipliers[p]
             force[:] = 0.0
             add_multipliers(qp, y, -1.0, force)
             right[:] = 0.0
             solve(free, gains, pool.joined, force, right, response)
             motion[:] = least + response
             all_values(qp, motion, values)
-        started = True
         for bound in range(hard):
             beyond = max(values[bound] - high[bound], low[bound] - values[bound])
             if beyond > _BEYOND and pool.of_bound[bound] < 0:
                 if size == space:
                     return -1
                 add_limit(qp, gains, pool, size, bound)
-                own_low[size], own_high[size] = low[bound], high[bound]
+                own.low[size], own.high[size] = low[bound], high[bound]
                 size += 1
-        off = 0.0
+        worst = 0.0
         for p in range(size):
-            own[p] = values[pool.places[p]]
-            off = max(off, own[p] - own_high[p], own_low[p] - own[p])
-        if size == known and off <= _BEYOND:
+            own.values[p] = values[pool.places[p]]
+            worst = max(worst, own.values[p] - own.high[p], own.low[p] - own.values[p])
+        if size == known and worst <= _BEYOND:
             return changes
         known = size
-        # What holds is held to the last digit before others are looked at.
-        for i in range(count):
-            row = held[i]
-            own[row] -= own_high[row] if sides[row] > 0.0 else own_low[row]
-        correction = np.empty(count)
-        for i in range(count):
-            correction[i] = own[held[i]]
-        forward(factor, count, correction)
-        backward(factor, count, correction)
-        for i in range(count):
-            row = held[i]
-            multipliers[row] += correction[i]
-            own[row] = own_high[row] if sides[row] > 0.0 else own_low[row]
-        for p in range(size):
-            if sides[p] != 1.0 and sides[p] != -1.0:
-                for i in range(count):
-                    own[p] -= pool.gram[p, held[i]] * correction[i]
+        refined(pool, own, size, count)
         count, more = exchange(
-            pool.gram, size, factor, held, sides, count,
-            own, own_low, own_high, multipliers, most - changes,
+            pool.gram, size, own.factor, own.held, own.sides, count,
+            own.values, own.low, own.high, own.multipliers, most - changes,
         )  # fmt: skip
         if more < 0:
             return -1

@@ -17,9 +17,9 @@ from lexstack.mpc.kernel.schur import along, row_values, solve
 from lexstack.mpc.kernel.values import Array, Flags, Gains, Qp, Weights
 
 UNSOLVED, FREE, ACTIVE, INTERIOR = 0, 1, 2, 3
-# Of the active set method, before the interior point method takes its place.
+DENSE = 0.75  # of the inputs: with more rows in the cost, the condensed QP is as small
+# that the active set method takes in, before the interior point method takes its place
 LIMITS, LIMITS_PER_STAGE = 40, 4
-CHANGES, CHANGES_PER_STAGE = 60, 6
 _BEYOND = 1e-9  # m, rad, m/s ...: by how much an answer may exceed a bound
 
 
@@ -56,7 +56,8 @@ def exceeded(qp: Qp, motion: Array) -> float:
     "Array(float64, 3, 'C', readonly=True), Array(float64, 1, 'C', readonly=True), "
     "Array(float64, 3, 'C', readonly=True), Array(float64, 3, 'C', readonly=True), "
     "Array(float64, 2, 'C', readonly=True), Array(float64, 3, 'C', readonly=True), "
-    "Array(boolean, 2, 'C', readonly=True), float64[:, ::1], float64[:, ::1], float64[::1])"
+    "Array(boolean, 2, 'C', readonly=True), float64[:, ::1], float64[:, ::1], float64[::1], "
+    "int64)"
 )
 def solve_level(
     dt: float,
@@ -74,6 +75,7 @@ def solve_level(
     direction: Array,
     held: Array,
     multipliers: Array,
+    most: int,
 ) -> int:
     """Solve min g.d + (d - p).H (d - p) / 2 within bounds; return how, or that it did not.
 
@@ -93,6 +95,7 @@ def solve_level(
         direction: d, shape (N, n), to be filled.
         held: signs of the limits that probably hold, shape (3 N + 1, n); then their multipliers.
         multipliers: of the bounded rows likewise, shape (N r + w,); then 0 of those of one joint.
+        most: changes of the active set, before the interior point method takes its place.
     """
     stages, n = gradient.shape
     slope, motion = gradient.copy(), np.empty((3, stages, n))
@@ -106,7 +109,7 @@ def solve_level(
     row_values(qp, motion[2], rows)
     add_cost(qp, motion, rows, -1.0, force)
     slope += on_inputs(qp, force)
-    if 2 * qp.soft > stages * n:
+    if qp.soft > DENSE * stages * n:
         return UNSOLVED
     gains = Gains(np.empty((3, stages, n)), np.empty((stages, n)))
     factor(qp.dt, qp.kappa, qp.weights, qp.fixed, gains)
@@ -130,7 +133,7 @@ def solve_level(
     how = FREE
     if over > 0.0:
         how = ACTIVE
-        found = active(qp, gains, pool, motion, y, CHANGES + CHANGES_PER_STAGE * stages) >= 0
+        found = active(qp, gains, pool, motion, y, most) >= 0
         rolled(qp, motion[0].copy(), motion)
         if not (found and exceeded(qp, motion) <= _BEYOND):
             how = INTERIOR

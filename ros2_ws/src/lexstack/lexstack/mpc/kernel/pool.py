@@ -5,7 +5,7 @@ With d = d_0 - H^-1 A' y, d_0 the least of the cost alone, the values of all bou
     A d = A d_0 - G y,    G = A H^-1 A' = K - T' T,    T = R^-T (S B^-1 A'),    K = A B^-1 A'
 
 with S the cost's rows that couple joints and R the Cholesky factor of S B^-1 S' + 1: of ``schur``,
-continued to the bounded rows. So neither d nor H is needed to find out which bounds hold. The limits
+continued to the bounded rows. So neither d nor H is needed to find out which bounds hold. Limits
 enter one by one, where a d exceeds them, each with one Riccati solution of its own joint.
 """
 
@@ -42,7 +42,7 @@ class Pool(NamedTuple):
 
 @compiled
 def begun(qp: Qp, gains: Gains, capacity: int) -> Pool:
-    """Return the pool of all bounded rows, without limits; and R in the first rows of ``joined``."""
+    """Return the pool of all bounded rows, without limits."""
     stages, n = qp.gradient.shape
     hard = (3 * stages + 1) * n
     size = len(qp.rows) + len(qp.wide)

@@ -22,11 +22,11 @@ from __future__ import annotations
 import numpy as np
 
 from lexstack.compiled import compiled
-from lexstack.mpc.kernel.values import Array, Gains, Places, Weights
+from lexstack.mpc.kernel.values import Array, Flags, Gains, Weights
 
 
 @compiled
-def factor(dt: float, kappa: Array, weights: Weights, fixed: Places, gains: Gains) -> None:
+def factor(dt: float, kappa: Array, weights: Weights, fixed: Flags, gains: Gains) -> None:
     """Fill gains K, shape (3, N, n), and variances 1 / h, shape (N, n)."""
     stages, n = weights.inputs.shape
     half = 0.5 * dt * dt
