@@ -59,7 +59,7 @@ def test_a_folder_that_is_no_clone_is_refused(folder, tmp_path_factory):
         Clone(folder)
 
 
-def test_only_the_whole_system_is_compared(tmp_path, capsys):
-    words = ["hqp", "--against", str(tmp_path), "--out", str(tmp_path / "out")]
+def test_a_bench_that_is_not_compared_says_so(tmp_path, capsys):
+    words = ["recorder", "--against", str(tmp_path), "--out", str(tmp_path / "out")]
     assert run_command("bench", BENCHES, words) == BAD_ARGUMENT
-    assert "hqp compares with no other clone" in capsys.readouterr().err
+    assert "recorder is not compared" in capsys.readouterr().err

@@ -10,6 +10,7 @@ from lexstack.mpc import Objective, Outcome, Start, Task, hold, steps
 from lexstack.mpc import level_sqp as level_module
 from lexstack.mpc.condensed_qp import CondensedQp
 from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
+from lexstack.mpc.linear_rows import LinearRows
 from support.htmpc import optimiser, random_objectives, random_start, robot
 
 REST = np.zeros(9)
@@ -33,7 +34,7 @@ def hold_and_reach(solver, base=(0.5278, -1.9324)):
 
 def test_a_failed_qp_is_a_failed_level_and_not_a_step_of_zero(monkeypatch):
     """Trap: at home, at rest, the guess already tracks the tool perfectly."""
-    solver = optimiser()
+    solver = optimiser(qp="condensed")
     start, objectives = hold_and_reach(solver)
     fail = "iteration limit"
 
@@ -134,7 +135,8 @@ def test_rows_of_guards_are_those_of_differences(kind):
     u = rng.normal(size=(10, 9))
     at = program.iterate(u).at
     constraint = LexicographicConstraint(0, task, task.error(at), kind)
-    rows = constraint.rows(at, task.error(at), solver.horizon.sensitivity(start.q, start.v, u))
+    sensitivity = solver.horizon.sensitivity(start.q, start.v, u)
+    rows = LinearRows.of((constraint,), at, sensitivity, None, u.size).matrix
     for _ in range(10):
         d = rng.normal(size=u.shape)
         there, back = (

@@ -19,7 +19,11 @@ SLACK = 1e-9  # rounding of limits, in their own units
 
 
 class HardLimits:
-    """The rows: input, velocity, position of every stage, then the last one; all joints at once."""
+    """The rows: input, velocity, position of every stage, then the last one; all joints at once.
+
+    Attributes:
+        kappa: of the last row, shape (n,), s.
+    """
 
     def __init__(self, limits: JointLimits, horizon: Horizon) -> None:
         """Lay the rows out once."""
@@ -27,7 +31,7 @@ class HardLimits:
         self._limits = limits
         stages = horizon.stages
         self._stages = stages
-        self._kappa: Vector = 0.5 * (limits.velocity / limits.acceleration + horizon.step)
+        self.kappa: Vector = 0.5 * (limits.velocity / limits.acceleration + horizon.step)
         self._to_rows: Matrix = np.concatenate(
             (np.eye(stages), horizon.to_velocity, horizon.to_position)
         )
@@ -54,18 +58,16 @@ class HardLimits:
         rows[:-1] = self._to_rows @ u
         rows[stages : 2 * stages] += v
         rows[2 * stages : -1] += q + self._horizon.times[1:, None] * v
-        rows[-1] = rows[-2] + self._kappa * rows[2 * stages - 1]
+        rows[-1] = rows[-2] + self.kappa * rows[2 * stages - 1]
         return rows
 
     def rows(self, places: NDArray[np.intp]) -> Matrix:
         """Return the coefficients in u of rows and joints (2, r), shape (r, N n)."""
         row, joint = places
-        stages, n = self._stages, self._kappa.size
+        stages, n = self._stages, self.kappa.size
         last = row == 3 * stages
         coefficients = self._to_rows[np.where(last, 3 * stages - 1, row)]
-        coefficients += (
-            np.where(last, self._kappa[joint], 0.0)[:, None] * self._to_rows[-stages - 1]
-        )
+        coefficients += np.where(last, self.kappa[joint], 0.0)[:, None] * self._to_rows[-stages - 1]
         result = np.zeros((len(row), stages, n))
         result[np.arange(len(row))[:, None], np.arange(stages), joint[:, None]] = coefficients
         return result.reshape(len(row), stages * n)
@@ -101,6 +103,11 @@ class HeldLimits:
         self._brake = brake
         self.lower = lower
         self.upper = upper
+
+    @property
+    def kappa(self) -> Vector:
+        """The factor of v_N in the last row, shape (n,), s."""
+        return self._limits.kappa
 
     def values(self, u: Matrix) -> Matrix:
         """Return the value of every row, shape (3 N + 1, n)."""

@@ -16,6 +16,7 @@ from lexstack.mpc.collision_cost import Collisions, CollisionScene
 from lexstack.mpc.double_integrator import Horizon
 from lexstack.mpc.effort import Effort
 from lexstack.mpc.hard_limits import HardLimits
+from lexstack.mpc.iteration_clock import IterationClock
 from lexstack.mpc.level_problem import Iterate, Program
 from lexstack.mpc.level_sqp import Level
 from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
@@ -29,6 +30,7 @@ from lexstack.mpc.stage.model import CompiledStageModel
 from lexstack.mpc.stage.program import CompiledProgram, load
 from lexstack.mpc.stage_kinematics import StageModel
 from lexstack.mpc.status import LevelStatus, Outcome
+from lexstack.mpc.structured_qp import load_kernel
 from lexstack.mpc.tracking_objectives import Objective, Task
 from lexstack.mpc.unicycle_horizon import UnicycleHorizon
 from lexstack.mpc.unicycle_lead import UnicycleLead
@@ -97,6 +99,8 @@ class Htmpc:
         effort = Effort(config.effort, self.horizon, robot.n, robot.arm.start)
         self._costs = Costs.of(config, barrier, effort)
         self._hard = HardLimits(limits, self.horizon) if config.hard_limits else None
+        if config.qp == "structured" and not robot.differential:
+            load_kernel()
 
     def solve(
         self,
@@ -119,6 +123,7 @@ class Htmpc:
             InputError: a shape or value that is wrong; what a solver does is in the status.
         """
         begun = perf_counter()
+        clock = IterationClock(self.config.deadline)
         self._check(start, objectives)
         state = start.q, start.v
         tasks = [
@@ -130,7 +135,7 @@ class Htmpc:
         program = self.program(start, before, around, frames_of(tasks), tasks)
         iterate = program.iterate(self._guess(start, tasks, before, program))
         iterate = _led(program, tasks[0], iterate)
-        levels, active_sets, iterate = self._solve_levels(program, tasks, iterate, before)
+        levels, active_sets, iterate = self._solve_levels(program, tasks, iterate, before, clock)
         return Plan(
             stamp=start.stamp,
             step=self.config.step,
@@ -175,7 +180,12 @@ class Htmpc:
         return self._models[key]
 
     def _solve_levels(
-        self, program: Program, tasks: list[Task], iterate: Iterate, before: Plan | None
+        self,
+        program: Program,
+        tasks: list[Task],
+        iterate: Iterate,
+        before: Plan | None,
+        clock: IterationClock,
     ) -> tuple[list[LevelStatus], tuple[ActiveSet, ...], Iterate]:
         """Solve all levels in order; what comes below a failure is skipped."""
         constraints: list[LexicographicConstraint] = []
@@ -188,7 +198,7 @@ class Htmpc:
                 levels.append(_skipped(i, task, iterate))
                 continue
             guess = known[i] if i < len(known) else EMPTY
-            level = Level(self.config, program, task, tuple(constraints), guess)
+            level = Level(self.config, program, task, tuple(constraints), guess, clock)
             if i and self.config.restart_from_previous:
                 iterate = level.better(iterate, guessed)
             iterate, status = level.solve(iterate)

@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lexstack.mpc.condensed_qp import CondensedQp
+from lexstack.mpc.iteration_clock import IterationClock
 from lexstack.mpc.level_problem import Iterate, Program, Quadratic
 from lexstack.mpc.lexicographic_constraints import LexicographicConstraint
-from lexstack.mpc.limited_qp import EMPTY, ActiveSet, LimitedQp
+from lexstack.mpc.limited_qp import EMPTY, ActiveSet, LevelQp, condensed_qp
+from lexstack.mpc.linear_rows import LinearRows
 from lexstack.mpc.options import HtmpcConfig
 from lexstack.mpc.stage_kinematics import StageKinematics
 from lexstack.mpc.status import LevelStatus, Outcome
+from lexstack.mpc.structured_qp import structured_qp
 from lexstack.mpc.tracking_objectives import Task
 from lexstack.types import Matrix, Vector
 
@@ -33,15 +35,6 @@ class _Step:
     qp: str
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Rows:
-    """Linear constraints on the step: lower <= matrix d <= upper, shapes (r, N n), (r,), (r,)."""
-
-    matrix: Matrix
-    lower: Vector
-    upper: Vector
-
-
 class Level:
     """One task, within the constraints of the levels above.
 
@@ -56,13 +49,17 @@ class Level:
         task: Task,
         constraints: tuple[LexicographicConstraint, ...],
         active_set: ActiveSet = EMPTY,
+        clock: IterationClock | None = None,
     ) -> None:
         """Take the level's task, and the constraints of the levels above, highest first."""
+        self._clock = IterationClock() if clock is None else clock
+        self._left = 0
         self._config = config
         self._program = program
         self._task = task
         self._constraints = constraints
         self.active_set = active_set
+        self._structured = config.qp == "structured" and not program.differential
 
     def better(self, start: Iterate, other: Iterate) -> Iterate:
         """Return the other iterate if it costs less and violates no constraint, else the first."""
@@ -74,14 +71,19 @@ class Level:
         steps: list[_Step] = []
         iterate = start
         first = self._program.cost(start, self._task)
+        late = False
         for _ in range(self._config.iterations):
+            late = not self._clock.enough()
+            if late:
+                break
             step = self._step(iterate)
+            self._clock.done()
             steps.append(step)
             before, iterate = iterate, step.iterate
             if step.outcome is not Outcome.STEPPED or self._stops_early(before, iterate):
                 break
         last = self._program.cost(iterate, self._task)
-        return iterate, self._status(steps, first - last, iterate)
+        return iterate, self._status(steps, first - last, iterate, late)
 
     def _stops_early(self, before: Iterate, after: Iterate) -> bool:
         """Return whether another iteration is not worth its time: the task hardly gained by this.
@@ -97,9 +99,11 @@ class Level:
         """Return J of H(8) alone."""
         return self._task.cost_at(iterate.at)
 
-    def _status(self, steps: list[_Step], decrease: float, iterate: Iterate) -> LevelStatus:
+    def _status(
+        self, steps: list[_Step], decrease: float, iterate: Iterate, late: bool
+    ) -> LevelStatus:
         """Return the level's status: its last iteration decides, but a step stays a step."""
-        outcome = steps[-1].outcome
+        outcome = steps[-1].outcome if steps else Outcome.LATE
         if outcome is Outcome.BLOCKED and len(steps) > 1:
             outcome = Outcome.STEPPED
         return LevelStatus(
@@ -110,9 +114,11 @@ class Level:
             steps=tuple(step.alpha for step in steps),
             trials=sum(step.trials for step in steps),
             blocked_by=next((s.blocked_by for s in reversed(steps) if s.blocked_by), ""),
-            qp=steps[-1].qp,
+            qp=steps[-1].qp if steps else "not tried",
             cost=self._cost(iterate),
             decrease=decrease,
+            late=late,
+            condensed=self._left,
         )
 
     def _step(self, iterate: Iterate) -> _Step:
@@ -123,9 +129,9 @@ class Level:
             return _Step(iterate, Outcome.FAILED, 0.0, 0, "", "not tried: a cost is not finite")
         direction, bend, word = self._direction(iterate, quadratic)
         if word != "solved":
-            # The zero step is always allowed (``_opened``): "infeasible" is the verdict of rounding
-            # on rows that depend on each other. The iterate is as good as it was, and the levels
-            # below may be served.
+            # The zero step is always allowed (``LinearRows``): "infeasible" is the verdict of
+            # rounding on rows that depend on each other. The iterate is as good as it was, and the
+            # levels below may be served.
             vain = word == "infeasible" and self._constraints
             return _Step(iterate, Outcome.BLOCKED if vain else Outcome.FAILED, 0.0, 0, "", word)
         slope = float(quadratic.gradient @ direction)
@@ -179,17 +185,29 @@ class Level:
             alpha E d + alpha^2 (E b + c) = (alpha - alpha^2) E d + alpha^2 (E (d + b) + c)
 
         is a mean of 0, E d and E (d + b) + c, and all three are within [lower, upper]: the zero
-        step because the bounds were opened for it (``_opened``).
+        step because the bounds were opened for it (``LinearRows``).
         """
-        qp = CondensedQp(quadratic.hessian)
         none = np.zeros(iterate.u.size)
-        if qp.word != "solved":
-            return none, none, qp.word
-        rows = self._rows(iterate)
-        moving = self._moving(len(iterate.u))
-        limited = LimitedQp(qp, quadratic.gradient, rows.matrix, moving, self.active_set)
-        if self._program.hard is not None:
-            limited.within(self._program.hard, iterate.u)
+        rows = LinearRows.of(
+            self._constraints,
+            iterate.at,
+            quadratic.sensitivity,
+            self._task.moving,
+            iterate.u.size,
+        )
+        make = structured_qp if self._structured else condensed_qp
+        limited, word = make(quadratic, rows, self._program.hard, iterate.u, self.active_set)
+        if limited is None:
+            return none, none, word
+        direction, bend, word = self._solved(iterate, limited, rows)
+        self._left += limited.left
+        return direction, bend, word
+
+    def _solved(
+        self, iterate: Iterate, limited: LevelQp, rows: LinearRows
+    ) -> tuple[Vector, Vector, str]:
+        """Solve a QP, and the one for the correction: see ``_direction``."""
+        none = np.zeros(iterate.u.size)
         direction, word = limited.solve(rows.lower, rows.upper)
         # Kept before the second QP: it is a guess for the first one of the next iteration.
         self.active_set = limited.active_set
@@ -197,7 +215,7 @@ class Level:
             return direction, none, word
         # A step by s d has the second-order error s^2 c. Where max |c| exceeds 0.05, s is chosen so
         # that s^2 max |c| = 0.05; otherwise s = 1.
-        bent = self._bent(iterate, rows, direction)
+        bent = self._bent(iterate, limited, direction)
         scale = min(1.0, float(np.sqrt(_BEND / max(np.abs(bent).max(), _BEND))))
         shorter = scale * direction
         bent *= scale * scale
@@ -209,7 +227,7 @@ class Level:
             return direction, none, word
         return shorter, corrected - shorter, word
 
-    def _bent(self, iterate: Iterate, rows: _Rows, direction: Vector) -> Vector:
+    def _bent(self, iterate: Iterate, qp: LevelQp, direction: Vector) -> Vector:
         """Return c, the second-order error of the constraints for a whole step d, shape (r,).
 
             c = (e(u + h d) - e(u) - h E d) / h^2,    h = 1/4
@@ -219,47 +237,11 @@ class Level:
         """
         step = _PROBE * direction
         tried = self._program.kinematics(iterate.u + step.reshape(iterate.u.shape))
-        off = self._values(tried) - self._values(iterate.at) - rows.matrix @ step
+        off = self._values(tried) - self._values(iterate.at) - qp.along(step)
         return np.asarray(off / _PROBE**2)
-
-    def _rows(self, iterate: Iterate) -> _Rows:
-        """Return the constraints made linear; a step of zero is always allowed."""
-        if not self._constraints:
-            none = np.zeros(0)
-            return _Rows(np.zeros((0, iterate.u.size)), none, none)
-        matrices, lower, upper = [], [], []
-        moving = self._moving(len(iterate.u))
-        sensitivity = self._program.sensitivity(iterate)
-        for constraint in self._constraints:
-            error = constraint.task.error(iterate.at)
-            value = constraint.value(error)
-            matrix = constraint.rows(iterate.at, error, sensitivity)
-            matrices.append(matrix if moving is None else matrix * moving)
-            lower.append(constraint.lower - value)
-            upper.append(constraint.upper - value)
-        return _opened(
-            matrices[0] if len(matrices) == 1 else np.concatenate(matrices),
-            np.concatenate(lower),
-            np.concatenate(upper),
-        )
 
     def _values(self, at: StageKinematics) -> Vector:
         """Return the values of all constraints, one after the other."""
         return np.concatenate(
             [constraint.value(constraint.task.error(at)) for constraint in self._constraints]
         )
-
-    def _moving(self, stages: int) -> Vector | None:
-        """Return 1 where the level may change an input, else 0, shape (N n,); None: all."""
-        return None if self._task.moving is None else np.tile(self._task.moving, stages)
-
-
-def _opened(matrix: Matrix, lower: Vector, upper: Vector) -> _Rows:
-    """Return rows that the zero step satisfies: lower <= 0 <= upper, opened where it is not so.
-
-    ``lower`` and ``upper`` are the bounds of e less the present e, so upper < 0 means that the
-    iterate violates a constraint, which H(13) allows by up to delta. A QP that demanded to undo
-    this would leave no descent. With upper = 0 the violation need not shrink, and to first order it
-    cannot grow: E d <= 0. Bounds that the iterate meets stay as they are; delta is not in them.
-    """
-    return _Rows(matrix, np.minimum(lower, 0.0), np.maximum(upper, 0.0))

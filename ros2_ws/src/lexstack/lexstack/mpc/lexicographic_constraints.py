@@ -12,13 +12,14 @@ The tolerance delta widens them in the line search and nowhere else.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from lexstack.mpc.double_integrator import Sensitivity
 from lexstack.mpc.options import Constraint
 from lexstack.mpc.stage_kinematics import StageKinematics
 from lexstack.mpc.tracking_objectives import Task
 from lexstack.types import Matrix, Vector
 
+Array = NDArray[np.float64]
 _ROUNDING = 1e-12  # in the unit of h: exceeded by no more, a bound is met, also with delta = 0
 
 
@@ -56,20 +57,21 @@ class LexicographicConstraint:
             return self.task.stage_costs(error)
         return np.array([self.task.bound_cost(error)])
 
-    def rows(self, at: StageKinematics, error: Matrix, sensitivity: Sensitivity) -> Matrix:
-        """Return dh/du, shape (r, N n)."""
-        # By the chain rule through the positions, with S_k = dq_k/du:
-        #   axis   de_kp/du = de_kp/dq_k S_k
-        #   stage  dJ_k/du = e_k' W_k de_k/dq_k S_k, for J_k = e_k' W_k e_k / 2
-        #   sum    the rows of ``stage``, added over k
+    @property
+    def summed(self) -> bool:
+        """Whether h is one number, the sum over all states."""
+        return self._kind == "sum"
+
+    def slopes(self, at: StageKinematics, error: Matrix) -> Array:
+        """Return dh/dq: of each state the rows that it has a part in, shape (N, r, n_q)."""
+        #   axis   de_kp/dq_k
+        #   stage  dJ_k/dq_k = e_k' W_k de_k/dq_k, for J_k = e_k' W_k e_k / 2
+        #   sum    likewise: J is the sum of the J_k
         jacobian = self.task.jacobian(at)
         if self._kind == "axis":
-            return sensitivity.rows(jacobian)
+            return jacobian
         weighted = self.task.binding * error
-        slopes = (weighted[:, None] @ jacobian)[:, 0]
-        if self._kind == "stage":
-            return sensitivity.rows(slopes[:, None])
-        return sensitivity.gradient(slopes).reshape(1, -1)
+        return np.asarray(weighted[:, None] @ jacobian)
 
     def excess(self, error: Matrix) -> tuple[float, str]:
         """Return by how much H(13) is violated at most (<= 0: not), and where in words."""

@@ -8,12 +8,15 @@ the answer is that of the QP with all of them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lexstack.mpc.condensed_qp import COARSE, FINE, CondensedQp
 from lexstack.mpc.hard_limits import HeldLimits
+from lexstack.mpc.level_problem import Quadratic
+from lexstack.mpc.linear_rows import LinearRows
 from lexstack.types import Matrix, Vector
 
 Places = NDArray[np.intp]
@@ -41,11 +44,33 @@ class ActiveSet:
 EMPTY = ActiveSet(np.zeros(0), NOWHERE, np.zeros(0))
 
 
+class LevelQp(Protocol):
+    """One QP of a level, and those near to it: this file's, or ``StructuredQp``."""
+
+    @property
+    def active_set(self) -> ActiveSet:
+        """What held at the last solution."""
+
+    @property
+    def left(self) -> int:
+        """How many QPs another solver had to solve."""
+
+    def solve(self, lower: Vector, upper: Vector) -> tuple[Vector, str]:
+        """Return d, shape (N n,), and the solver's word; bounds of the constraints, (g,)."""
+
+    def nearest(self, point: Vector, lower: Vector, upper: Vector) -> tuple[Vector, str]:
+        """Return the allowed d nearest to a point (N n,) in H's metric, and the solver's word."""
+
+    def along(self, step: Vector) -> Vector:
+        """Return E d for a step (N n,), shape (g,)."""
+
+
 class LimitedQp:
     """One H and gradient, the constraints' rows, and the hard limits found so far.
 
     Attributes:
         places: of the hard limits that it has taken in.
+        left: 0: it leaves no QP to another solver.
     """
 
     def __init__(
@@ -68,6 +93,7 @@ class LimitedQp:
         self._qp = qp
         self._center = qp.center(gradient)
         self._white, self._factors = qp.whiten(constraints)
+        self._rows = constraints
         self._constraints = len(constraints)
         self._moving = moving
         self._hard: HeldLimits | None = None
@@ -76,6 +102,7 @@ class LimitedQp:
         self._multipliers: Vector = first.constraints if same else np.zeros(len(constraints))
         self._first = first
         self.places = NOWHERE
+        self.left = 0
 
     def within(self, hard: HeldLimits, u: Matrix) -> None:
         """Keep the inputs u + d, both (N, n), within hard limits."""
@@ -105,6 +132,10 @@ class LimitedQp:
                 return direction, word
             self._add(fresh)
         return direction, "hard limits: too many rounds"
+
+    def along(self, step: Vector) -> Vector:
+        """Return E d for a step (N n,), shape (g,)."""
+        return self._rows @ step
 
     def _once(self, lower: Vector, upper: Vector) -> tuple[Vector, str]:
         """Solve with the rows so far.
@@ -157,3 +188,21 @@ class LimitedQp:
             np.concatenate((self._room[1], self._high[row, joint])),
         )
         self.places = np.concatenate((self.places, places), axis=1)
+
+
+def condensed_qp(
+    quadratic: Quadratic,
+    rows: LinearRows,
+    hard: HeldLimits | None,
+    u: Matrix,
+    first: ActiveSet = EMPTY,
+) -> tuple[LimitedQp | None, str]:
+    """Return the QP of a level at inputs u (N, n), or None and why H could not be factored."""
+    qp = CondensedQp(quadratic.hessian)
+    if qp.word != "solved":
+        return None, qp.word
+    moving = None if rows.moving is None else np.tile(rows.moving, len(u))
+    limited = LimitedQp(qp, quadratic.gradient, rows.matrix, moving, first)
+    if hard is not None:
+        limited.within(hard, u)
+    return limited, qp.word

@@ -14,6 +14,9 @@ Constraint = Literal["sum", "stage", "axis"]
 Evaluation = Literal["compiled", "plain"]
 """How costs and their derivatives are computed: by the compiled code, or by numpy and CasADi."""
 
+QpMethod = Literal["structured", "condensed"]
+"""How the QP of an SQP iteration is solved: by its structure, or condensed to the inputs."""
+
 _MOST_STAGES = 100
 _Fraction = Annotated[float, Range(0.0, 1.0, open=True)]
 
@@ -105,6 +108,11 @@ class HtmpcConfig:
     predict_others: bool = False
     # of costs and their derivatives: by compiled code, or by numpy; the same but for rounding
     evaluation: Evaluation = "compiled"
+    # how a QP is solved; a file without this key, and a bag recorded before it, means "condensed"
+    qp: QpMethod = "condensed"
+    # s of wall time for a solve, after which no iteration is begun but the first one; 0: no end.
+    # With it plans depend on the machine, so runs in lockstep have none
+    deadline: NotNegative = 0.0
 
     def validate(self, where: str) -> None:
         """Raise ConfigurationError for a correction of what has none."""
@@ -129,5 +137,6 @@ DEFAULT_HTMPC = HtmpcConfig(
     collision=CollisionConfig(0.1, 0.005, 0.05, 0.3, ground=True),
     line_search=LineSearchConfig(0.05, 0.5, 10),
     predict_others=True,
+    qp="structured",
 )
 """The parameters of ``config/htmpc/lexstack.yaml``, where every one has its reason."""

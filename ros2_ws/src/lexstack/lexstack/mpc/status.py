@@ -16,6 +16,7 @@ class Outcome(Enum):
     BLOCKED = "blocked"
     FAILED = "failed"  # a QP was not solved, or something was not finite
     SKIPPED = "skipped"  # not tried, because a level above failed
+    LATE = "late"  # not tried, because the solve's deadline would have passed
 
     @property
     def sound(self) -> bool:
@@ -39,6 +40,8 @@ class LevelStatus:
         qp: the QP solver's last word: ``solved``, or the reason why not.
         cost: J of H(8) at the end.
         decrease: by how much the whole cost fell, barriers and effort included, >= 0.
+        late: whether the deadline of the solve ended it, before its first iteration or later.
+        condensed: QPs that the kernel left to the condensed QP; 0 where that is asked for.
     """
 
     level: int
@@ -51,6 +54,8 @@ class LevelStatus:
     qp: str
     cost: float
     decrease: float
+    late: bool = False
+    condensed: int = 0
 
     @property
     def succeeded(self) -> bool:
@@ -64,4 +69,6 @@ class LevelStatus:
         line = f"level {self.level + 1} {self.name}: {self.outcome.value}, {step}"
         if self.qp != "solved":
             line += f", QP {self.qp}"
+        if self.late and self.outcome is not Outcome.LATE:
+            line += ", ended by the deadline"
         return f"{line}, blocked by {self.blocked_by}" if self.blocked_by else line

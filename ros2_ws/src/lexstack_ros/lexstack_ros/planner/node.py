@@ -39,6 +39,7 @@ from lexstack_ros.planner.goals import Job, Stage, base_at, wanted_of
 from lexstack_ros.planner.sequence_changes import SequenceChanges, Wish
 
 ACTION = "/htmpc/execute_sequence"
+_SHARE = 0.7  # of the time between two plans, which a solve may take in realtime
 _THROTTLE = 0.05  # s: a flood of goals is no flood of lines
 
 
@@ -257,6 +258,10 @@ class HtmpcNode(Node):
         if robot not in self._runners:
             scenario = self._resolved.scenario
             config, blend = self._resolved.htmpc[scenario.htmpc.parameters], scenario.transition
+            if not self._lockstep and not config.deadline:
+                # All robots plan at the same tick, one after the other.
+                deadline = _SHARE * self._every / scenario.rate / len(scenario.robots)
+                config = replace(config, deadline=deadline)
             self._runners[robot] = SequenceRunner(self._team, robot, config, blend.duration)
         return self._runners[robot]
 
