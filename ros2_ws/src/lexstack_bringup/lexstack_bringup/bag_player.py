@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import time
+from array import array
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import yaml
 from rclpy.executors import Executor
 from rclpy.node import Node
@@ -21,7 +23,8 @@ from lexstack_bag.storage.definitions import type_hash
 from lexstack_bag.storage.selection import Selection
 from lexstack_bag.topics import PLANT_STATE
 from lexstack_bringup.live_peer import LivePeer
-from lexstack_interfaces.msg import PlantState
+from lexstack_interfaces.msg import Chi, PlantState
+from lexstack_ros.messages.cdr_layout import fields_of
 from lexstack_ros.messages.names import relative
 from lexstack_ros.messages.qos import LATCHED, STREAM
 from lexstack_ros.node.calls import not_taken, wait_until
@@ -31,6 +34,8 @@ NAME = "replay"
 _SETTLED = 1.0  # s for which all connections must have been there
 _ALONE = 5.0  # s, after which it plays for nobody: discovery may take 3 s, a period of DDS
 _NS = 1e9
+_GROWN = {"lexstack_interfaces/msg/Chi": Chi}
+"""Types that have all fields of their older versions: what they did not have is left empty."""
 _OWN = ("/rosout", "/parameter_events")  # of the recorded nodes, not for live ones
 
 
@@ -66,6 +71,8 @@ class BagPlayer(Node):
         self._executor = executor
         self._patience = patience
         self.peer = LivePeer(live, self, executor, patience) if live else None
+        self._older: dict[str, type] = {}  # topics whose messages are to be made anew
+        self._decode = Decoder()
         leave = (*_OWN, *(self.peer.live.topics if self.peer else ()))
         self._publishers_by_topic: dict[str, Publisher] = {
             topic: self._offer(topic, kind, metadata)
@@ -109,7 +116,7 @@ class BagPlayer(Node):
         Raises:
             BagError: a live node does not answer.
         """
-        decode, played, served = Decoder(), 0, -1
+        decode, played, served = self._decode, 0, -1
         for message in messages:
             publisher = self._publishers_by_topic.get(message.topic)
             if publisher is None:
@@ -139,7 +146,9 @@ class BagPlayer(Node):
         """Return the publisher of a recorded topic."""
         recorded = metadata.get("topic_type_hash", "")
         if recorded and recorded != type_hash(kind):
-            raise BagError(f"{topic}: {kind} is another type now than when it was recorded")
+            if kind not in _GROWN:
+                raise BagError(f"{topic}: {kind} is another type now than when it was recorded")
+            self._older[topic] = _GROWN[kind]
         return self.create_publisher(message_class(kind), relative(topic), _qos(metadata))
 
     def _tell_time(self, state: Any) -> None:
@@ -156,6 +165,8 @@ class BagPlayer(Node):
         The plant follows the live controller as it followed the recorded one: the name of the
         commander in its state is the live node's.
         """
+        if message.topic in self._older:
+            return filled(self._older[message.topic](), self._decode(message))
         if message.topic != PLANT_STATE or self.peer is None or not self.peer.sender:
             return bytes(message.data)
         state = deserialize_message(bytes(message.data), PlantState)
@@ -172,6 +183,20 @@ class BagPlayer(Node):
             present = sum(p.get_subscription_count() for p in self._publishers_by_topic.values())
             if present != listeners:
                 since, listeners = now, present
+
+
+def filled(message: Any, older: Any) -> Any:
+    """Return a generated message with the fields of a decoded one of an older version."""
+    for field in fields_of(type(message)):
+        value = getattr(older, field.name, None)
+        if value is None:
+            continue
+        if not field.kind and field.count is None:
+            filled(getattr(message, field.name), value)
+        else:
+            numbers = isinstance(value, np.ndarray)
+            setattr(message, field.name, array(value.dtype.char, value) if numbers else value)
+    return message
 
 
 def _qos(metadata: dict[str, str]) -> Any:

@@ -91,9 +91,6 @@ class _Hearing:
 
 def listen(node: Node, frames: Frames) -> None:
     """Subscribe to /tf and /tf_static."""
-    for topic, static, qos in (
-        ("tf", False, TRANSFORMS),
-        ("tf_static", True, STATIC_TRANSFORMS),
-    ):
-        hear = _Hearing(frames, static=static)
-        node.create_subscription(TFMessage, topic, hear, qos, raw=True)
+    moving, static = (_Hearing(frames, static=static) for static in (False, True))
+    node.create_subscription(TFMessage, "tf", moving, TRANSFORMS, raw=True)
+    node.create_subscription(TFMessage, "tf_static", static, STATIC_TRANSFORMS, raw=True)
