@@ -8,7 +8,7 @@ from typing import Any
 
 from lexstack_experiments.benches.goals import table_of
 from lexstack_experiments.documents.store import Quoted, Store
-from lexstack_experiments.documents.text import merged, table
+from lexstack_experiments.documents.text import digits, merged, table
 from lexstack_experiments.results import Figure
 from lexstack_experiments.text import cell_text
 
@@ -50,6 +50,20 @@ def _who(store: Store) -> str:
     return _plain(_titled(store["hqp"], "who solves what"))
 
 
+def _one_level(store: Store) -> str:
+    """Return how the peers of the MPC do on one level."""
+    columns = ["robot, N", "solver", "iterations", "p50 over ours", "gap, mean", "gap, worst",
+               "ms p50", "ms p99", "failed"]  # fmt: skip
+    rows = []
+    for row in store["htmpc-peers"].rows():
+        ratio = "–" if row["p50 over ours"] is None else digits(row["p50 over ours"], 2)
+        told = [row["solver"], row["iterations"], ratio]
+        told += [cell_text(row[key]) for key in ("gap, mean", "gap, worst")]
+        told += [cell_text(row[key]) for key in ("cpu ms p50", "cpu ms p99", "failed")]
+        rows.append([f"{row['robot']}, {row['N']}", *told])
+    return table(columns, merged(rows))
+
+
 def _plain(rows: list[dict[str, Any]]) -> str:
     """Return a table as it is."""
     return table(list(rows[0]), [[cell_text(cell) for cell in row.values()] for row in rows])
@@ -88,9 +102,10 @@ def _made(name: str, store: Store) -> str:
 
 
 FIELDS: dict[str, Callable[[Store], str]] = {
-    **{f"{name}.on": partial(_made, name) for name in (*_KEPT, "strictness")},
+    **{f"{name}.on": partial(_made, name) for name in (*_KEPT, "htmpc-peers", "strictness")},
     "speed.goals": _goals,
     "hqp.ratios": _hqp,
     "hqp.who": _who,
+    "htmpc-peers.table": _one_level,
     "strictness.table": _certificate,
 }
