@@ -8,14 +8,14 @@ from typing import Annotated, Literal
 from lexstack.errors import ConfigurationError
 from lexstack.options import NotNegative, Positive, Range
 
-Constraint = Literal["sum", "stage", "axis"]
-"""How the levels below keep a level's result: H(11) as printed, per stage, or H(12)."""
-
 Evaluation = Literal["compiled", "plain"]
 """How costs and their derivatives are computed: by the compiled code, or by numpy and CasADi."""
 
 QpMethod = Literal["structured", "condensed"]
 """How the QP of an SQP iteration is solved: by its structure, or condensed to the inputs."""
+
+Constraint = Literal["sum", "stage", "axis"]
+"""How the levels below keep a level's result: H(11) as printed, per stage, or H(12)."""
 
 _MOST_STAGES = 100
 _Fraction = Annotated[float, Range(0.0, 1.0, open=True)]
@@ -103,11 +103,11 @@ class HtmpcConfig:
     line_search: LineSearchConfig  # how a step is shortened
     # weights of tasks of joints: of those that slide as positions, of those that turn as angles
     joint: TaskWeightsConfig = TaskWeightsConfig(54.0, 540.0, 100.0, 1000.0, 0.01, 0.01)
+    # of costs and their derivatives: by compiled code, or by numpy; the same but for rounding
+    evaluation: Evaluation = "compiled"
     # whether the other robots are avoided where their plans, or else their velocities, will take
     # them; false: where they stand
     predict_others: bool = False
-    # of costs and their derivatives: by compiled code, or by numpy; the same but for rounding
-    evaluation: Evaluation = "compiled"
     # how a QP is solved; a file without this key, and a bag recorded before it, means "condensed"
     qp: QpMethod = "condensed"
     # s of wall time for a solve, after which no iteration is begun but the first one; 0: no end.

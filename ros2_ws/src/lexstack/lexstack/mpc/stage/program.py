@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -23,16 +24,21 @@ from lexstack.types import Matrix, Vector
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
 class CompiledQuadratic(Quadratic):
-    """As ``Quadratic``, condensed by compiled code."""
+    """As ``Quadratic``, condensed by compiled code.
 
-    __slots__ = ()
+    Attributes:
+        stiffness: the ``barriers`` as one array, shape (3, N, n).
+    """
+
+    stiffness: Array
 
     @property
     def hessian(self) -> Matrix:
         """The condensed Gauss-Newton Hessian, shape (N n, N n); a new array."""
         assert isinstance(self.program, CompiledProgram)
-        return self.program.full(self)
+        return self.program.full(self.coupled, self.stiffness, self.sensitivity)
 
 
 class CompiledProgram(Program):
@@ -59,9 +65,10 @@ class CompiledProgram(Program):
             hard=hard,
             start=start,
         )
-        self._chain, self._empty, self._compiled = model.chain, model.empty, model
+        self._empty, self._compiled = model.empty, model
         self._limits = costs.limits
-        self._scene = scene_of(collisions, horizon.stages)
+        scene = scene_of(collisions, horizon.stages)
+        self._fixed = (*model.chain, *costs.limits, *scene)
         self._tasks = tuple(tasks)
         self._laid_out = tasks_of(self._tasks, model.frames)
         self._evaluate, self._curve, self._gradient, self._full = _entries()
@@ -82,12 +89,10 @@ class CompiledProgram(Program):
         slant, coupled = np.empty((stages, size)), np.empty((stages, size, size))
         forces, stiffness = np.empty((2, stages, n)), np.empty((3, stages, n))
         self._curve(
-            *self._chain,
-            *self._limits,
-            *self._scene,
+            *self._fixed,
             *layout_of(task.measure, self._model.frames),
             task.weights,
-            task.error(iterate.at),
+            np.ascontiguousarray(task.error(iterate.at)),
             iterate.q,
             iterate.v,
             np.ascontiguousarray(iterate.u),
@@ -106,19 +111,19 @@ class CompiledProgram(Program):
             moving = np.concatenate((task.moving[: size - n], task.moving))
             coupled *= moving[:, None] * moving
             stiffness[0] *= task.moving
-        return CompiledQuadratic(gradient.reshape(-1), coupled, tuple(stiffness), along, self)
+        barriers = stiffness[0], stiffness[1], stiffness[2]
+        return CompiledQuadratic(gradient.reshape(-1), coupled, barriers, along, self, stiffness)
 
     def sensitivity(self, iterate: Iterate) -> Sensitivity:
         """Return how the positions follow the inputs at an iterate."""
         return sensitivity.sensitivity_of(self.horizon, iterate.q, iterate.v, iterate.u)
 
-    def full(self, quadratic: Quadratic) -> Matrix:
-        """Return the condensed Hessian, shape (N n, N n)."""
-        stages, n = quadratic.barriers[0].shape
-        hessian = np.empty((stages * n, stages * n))
-        stiffness, drive = np.stack(quadratic.barriers), drive_of(quadratic.sensitivity)
+    def full(self, coupled: Array, stiffness: Array, along: Sensitivity) -> Matrix:
+        """Return the condensed Hessian, shape (N n, N n); see ``CompiledQuadratic``."""
+        size = stiffness[0].size
+        hessian = np.empty((size, size))
         effort, step = self._limits.effort, self.horizon.step
-        self._full(quadratic.coupled, stiffness, effort, drive, step, hessian)
+        self._full(coupled, stiffness, effort, drive_of(along), step, hessian)
         return hessian
 
     def _evaluated(self, u: Matrix) -> tuple[Matrix, Matrix, CompiledStages, float]:
@@ -127,13 +132,10 @@ class CompiledProgram(Program):
         q, v = np.empty((stages + 1, self._q.size)), np.empty((stages + 1, self._v.size))
         q[0], v[0] = self._q, self._v
         at = self._empty()
-        tasks = self._laid_out
-        errors, costs = np.empty(tasks.weights.size), np.empty(1 + len(self._tasks))
+        errors, costs = np.empty(self._laid_out.weights.size), np.empty(1 + len(self._tasks))
         self._evaluate(
-            *self._chain,
-            *self._limits,
-            *self._scene,
-            *tasks,
+            *self._fixed,
+            *self._laid_out,
             self.horizon.step,
             QUADRATURE,
             self._previous,
