@@ -155,7 +155,7 @@ class StructuredQp:
             else (slopes @ positions[:, :, None]).reshape(-1)
             for slopes, summed in zip(self._rows.slopes, self._rows.summed, strict=True)
         ]
-        return np.concatenate(parts)
+        return np.concatenate((np.zeros(0), *parts))
 
     def _solved(self, gradient: Matrix, point: Matrix, lower: Vector, upper: Vector) -> bool:
         """Solve by the kernel, unless it left one of these QPs before; return whether it has."""

@@ -15,7 +15,8 @@ import numpy as np
 from lexstack.compiled import compiled
 from lexstack.mpc.kernel.values import Array, Places
 
-_EXCEEDED = 1e-10  # for rows of length 1 in the metric of H
+_EXCEEDED = 1e-10  # for rows of length 1 in the metric of H,
+_ROOM = 1e-10  # m, rad ... that every row may be exceeded: some hardly change whatever d is
 _DEPENDENT = 1e-11  # of a row's square: what is left of it beside those that hold
 _FORGIVEN = 1e-8  # so much a row may be exceeded that depends on others
 _POINT = 1e-9
@@ -147,7 +148,7 @@ def exchange(
         worst, row, side = _EXCEEDED, -1, 0.0
         for p in range(size):
             if sides[p] == 0.0 and gram[p, p] > 1e-26:
-                beyond = max(values[p] - high[p], low[p] - values[p])
+                beyond = max(values[p] - high[p], low[p] - values[p]) - _ROOM
                 if beyond > 0.0:
                     beyond /= math.sqrt(gram[p, p])
                     if beyond > worst:
