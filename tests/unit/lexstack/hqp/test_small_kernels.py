@@ -56,6 +56,5 @@ def test_columns_with_an_entry_are_found():
     matrix, moved = RNG.normal(size=(4, 7)), np.empty(7, dtype=bool)
     matrix[:, [1, 5]] = 0.0
     matrix[0, 2], matrix[:3, 6], matrix[3, 6] = -0.0, 0.0, 1e-300
-    for one in (matrix, np.asfortranarray(matrix)):
-        margins.columns_of(one, moved)
-        np.testing.assert_array_equal(moved, matrix.any(axis=0))
+    margins.columns_of(matrix, moved)
+    np.testing.assert_array_equal(moved, matrix.any(axis=0))

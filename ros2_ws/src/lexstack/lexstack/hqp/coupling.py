@@ -58,11 +58,13 @@ class Subproblem:
         columns: its joints.
         levels: the rows that each level has on them.
         rows: their places among all rows of the problem, in the order of ``levels``.
+        last: the last of these places, -1 where there are none.
     """
 
     columns: Place
     levels: tuple[tuple[Share, ...], ...]
     rows: Indices
+    last: int
 
 
 class Structure:
@@ -109,7 +111,7 @@ def footprint(matrix: Matrix) -> Footprint:
         return rows, _UNIT
     # Exact zeros alone: to drop a coefficient because it is small would change the optimum.
     fast = kernel("lexstack.hqp.kernel.margins")
-    if fast is None or matrix.dtype is not _FLOAT:
+    if fast is None or matrix.dtype is not _FLOAT or not matrix.flags.c_contiguous:
         return rows, matrix.any(axis=0).tobytes()
     moved = np.empty(columns, dtype=np.bool_)
     fast.columns_of(matrix, moved)
@@ -123,7 +125,9 @@ def share(task: LinearTask, rows: Place | None, columns: Place) -> LinearTask:
         return LinearTask(task.name, matrix, task.lower, task.upper)
     lower = task.lower[rows]
     upper = lower if task.upper is task.lower else task.upper[rows]
-    return LinearTask(task.name, task.matrix[rows][:, columns], lower, upper)
+    both = isinstance(rows, slice) and isinstance(columns, slice)
+    matrix = task.matrix[rows, columns] if both else task.matrix[rows][:, columns]
+    return LinearTask(task.name, matrix, lower, upper)
 
 
 @lru_cache(maxsize=64)
@@ -158,14 +162,12 @@ def _subproblems(
                 levels[number][k].append(Share(task, None))
                 places[number].append(start + np.arange(rows))
             task, start = task + 1, start + rows
-    return tuple(
-        Subproblem(
-            _place(group),
-            tuple(tuple(shares) for shares in levels[number]),
-            np.concatenate([np.empty(0, dtype=np.intp), *places[number]]),
-        )
-        for number, group in enumerate(groups)
-    )
+    found = []
+    for number, group in enumerate(groups):
+        own = np.concatenate([np.empty(0, dtype=np.intp), *places[number]])
+        shares = tuple(tuple(level) for level in levels[number])
+        found.append(Subproblem(_place(group), shares, own, int(own.max(initial=-1))))
+    return tuple(found)
 
 
 def _columns(mask: bytes, n: int) -> Indices | None:

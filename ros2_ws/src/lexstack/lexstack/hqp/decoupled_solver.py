@@ -53,8 +53,12 @@ class ClusteredSolver:
 
 def _fits(problem: HqpProblem, n: int) -> bool:
     """Return whether all matrices have n columns; the solver inside says what is wrong."""
-    tasks = [task for level in problem.levels for task in level]
-    return not [task for task in tasks if task.matrix.ndim != 2 or task.matrix.shape[1] != n]
+    for level in problem.levels:
+        for task in level:
+            shape = task.matrix.shape
+            if len(shape) != 2 or shape[1] != n:
+                return False
+    return True
 
 
 def _warm(warm: Solution | None, subproblem: Subproblem, n: int) -> Solution | None:
@@ -64,7 +68,7 @@ def _warm(warm: Solution | None, subproblem: Subproblem, n: int) -> Solution | N
     columns = subproblem.columns
     rows = warm.rows
     if rows.size:
-        rows = rows[subproblem.rows] if rows.size > subproblem.rows.max(initial=-1) else rows[:0]
+        rows = rows[subproblem.rows] if rows.size > subproblem.last else rows[:0]
     return Solution(
         warm.chi[columns], warm.slacks, warm.status, warm.reason, warm.active[columns], 0.0, rows
     )

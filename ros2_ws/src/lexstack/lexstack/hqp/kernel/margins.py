@@ -43,7 +43,7 @@ def stands(position: Vector, upper: Vector, lower: Vector) -> bool:
     return beyond
 
 
-@entry(f"void({_MATRIX}, boolean[::1])")
+@entry("void(Array(float64, 2, 'C', readonly=True), boolean[::1])")
 def columns_of(matrix: Matrix, moved: Flags) -> None:
     """Set which columns of a matrix have an entry that is not zero, shape (n,)."""
     if matrix.shape[1] != moved.size:
