@@ -1,5 +1,9 @@
 """The compiled pose error: the bits of the plain form."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -12,6 +16,21 @@ from lexstack.tasks.kernel import pose as kernel
 
 load_kernels()
 GAIN, LINEAR, ANGULAR = 3.0, 0.5, 1.0
+
+
+DIGEST = """
+import hashlib
+import numpy as np
+import pinocchio as pin
+from lexstack.tasks.kernel import pose
+rng, found = np.random.default_rng(0), hashlib.sha256()
+for _ in range(100):
+    one, other = (pin.Quaternion(q / np.linalg.norm(q)).matrix() for q in rng.normal(size=(2, 4)))
+    error = np.zeros(6)
+    pose.pose_error(rng.normal(size=3), one, rng.normal(size=3), other, error)
+    found.update(error.tobytes())
+print(found.hexdigest())
+"""
 
 
 def poses(rng):
@@ -59,3 +78,20 @@ def test_a_goal_in_whole_numbers_is_taken():
     goal = Pose(np.array([1, 0, 0]), np.eye(3, dtype=int))
     found = pose_error(Pose(np.zeros(3), np.eye(3)), goal)
     np.testing.assert_array_equal(found, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def test_processors_without_the_instruction_and_python_have_the_same_bits():
+    generic = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+    found = [
+        subprocess.run(
+            [sys.executable, "-c", DIGEST],
+            env={**os.environ, **extra, "PYTHONPATH": os.pathsep.join(sys.path)},
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=120,
+        ).stdout
+        for extra in ({}, generic, {"NUMBA_DISABLE_JIT": "1"})
+    ]
+    assert len(found[0]) > 60
+    assert found[0] == found[1] == found[2]
