@@ -59,7 +59,12 @@ class Level:
         self._task = task
         self._constraints = constraints
         self.active_set = active_set
-        self._structured = config.qp == "structured" and not program.differential
+        # Where every distance counts, the joints of every state are coupled, and so where a base
+        # drives: then the condensed QP is as small.
+        coupled = program.differential or (
+            program.collisions.active and not config.collision.influence
+        )
+        self._structured = config.qp == "structured" and not coupled
 
     def better(self, start: Iterate, other: Iterate) -> Iterate:
         """Return the other iterate if it costs less and violates no constraint, else the first."""
