@@ -20,6 +20,9 @@ UNSOLVED, FREE, ACTIVE, INTERIOR = 0, 1, 2, 3
 DENSE = 0.75  # of the inputs: with more rows in the cost, the condensed QP is as small
 # that the active set method takes in, before the interior point method takes its place
 LIMITS, LIMITS_PER_STAGE = 40, 4
+# m, rad: of constraints, where the interior point method ends; its sums of large multipliers leave
+# 1e-8 of rows that hardly differ, and the line search has delta
+_ROOM = 2e-8
 _BEYOND = 1e-9  # m, rad, m/s ...: by how much an answer may exceed a bound
 
 
@@ -32,8 +35,11 @@ def least(qp: Qp, gains: Gains, pool: Pool, motion: Array) -> None:
 
 
 @compiled
-def exceeded(qp: Qp, motion: Array) -> float:
-    """Return by how much a bound is exceeded at most, in its own unit; nan where d is."""
+def exceeded(qp: Qp, motion: Array, room: float) -> float:
+    """Return by how much a bound is exceeded at most, in its own unit; nan where d is.
+
+    Rows may be exceeded by ``room`` beside that, limits not.
+    """
     stages, n = qp.gradient.shape
     hard = (3 * stages + 1) * n
     values = np.empty(hard + qp.lower.size)
@@ -44,7 +50,7 @@ def exceeded(qp: Qp, motion: Array) -> float:
         if i < hard:
             beyond = max(values[i] - high[i], low[i] - values[i])
         else:
-            beyond = max(values[i] - qp.upper[i - hard], qp.lower[i - hard] - values[i])
+            beyond = max(values[i] - qp.upper[i - hard], qp.lower[i - hard] - values[i]) - room
         if not beyond <= worst:
             worst = beyond
     return worst
@@ -117,7 +123,7 @@ def solve_level(
     if not reduce(qp, pool):
         return UNSOLVED
     least(qp, gains, pool, motion)
-    over = exceeded(qp, motion)
+    over = exceeded(qp, motion, 0.0)
     if not math.isfinite(over):
         return UNSOLVED
     hard = held.size
@@ -135,12 +141,12 @@ def solve_level(
         how = ACTIVE
         found = active(qp, gains, pool, motion, y, most) >= 0
         rolled(qp, motion[0].copy(), motion)
-        if not (found and exceeded(qp, motion) <= _BEYOND):
+        if not (found and exceeded(qp, motion, 0.0) <= _BEYOND):
             how = INTERIOR
             motion[:] = 0.0
             found = interior(qp, motion, y, gain) >= 0
             rolled(qp, motion[0].copy(), motion)
-            if not (found and exceeded(qp, motion) <= _BEYOND):
+            if not (found and exceeded(qp, motion, _ROOM) <= _BEYOND):
                 held[:] = 0.0
                 multipliers[:] = 0.0
                 return UNSOLVED
