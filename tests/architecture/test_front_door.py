@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "ros2_ws/src/lexstack/lexstack"
 DOORS = [LIBRARY / "__init__.py", *sorted(LIBRARY.glob("*/__init__.py"))]
-MOST = 12  # folders and files that a reader meets at the library's root
+MOST = 13  # folders and files that a reader meets at the library's root
 
 # White-box tests of the library itself may reach for what no sub-package exports.
 WHITE_BOX = (
