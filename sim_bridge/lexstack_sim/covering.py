@@ -10,8 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from lexstack.errors import ModelError
-from lexstack.robots import RobotModel
-from lexstack.robots.sphere_fit import Covering, cover
+from lexstack.robots import Covering, RobotModel, cover
 from lexstack.types import Matrix
 from lexstack_sim.meshes import Shape, arm_shapes, is_flat, link_in_model, primitive
 from lexstack_sim.primitives import triangles

@@ -205,21 +205,33 @@ def leaks(text):
     return [f"{what}: {match.group()}" for what, match in found if match]
 
 
+def with_constants(name, code):
+    """Return a name in code with the constants of its module in place of their names."""
+    for constant in re.findall(r"\{([A-Z]+)\}", name):
+        value = re.search(rf'^{constant} = "([^"]+)"', code, re.MULTILINE).group(1)
+        name = name.replace(f"{{{constant}}}", value)
+    return name.replace("{model.name}", "{name}")
+
+
 def endpoints():
     """Return name -> type of every topic, service and action in the code; {..}: any name."""
     pattern = re.compile(
-        r"(?:create_(?:publisher|subscription|service)\(|Server\(\s*self,)"  # or of an action
-        r"\s*(\w+),\s*(?:f?\"([^\"]+)\"|(?:relative\()?(\w+))"
+        r"(?:create_(?:publisher|subscription|service)\(|Server\(\s*(?:self|node),)"  # of an action
+        r"\s*(?:self\._)?(\w+),\s*(?:f?\"([^\"]+)\"|(?:relative\()?(\w+))"
     )
     found = {}
     calls = [(module, call) for module in modules() for call in pattern.findall(module)]
     for code, (type_, literal, variable) in calls:
         # A type that may not be installed is imported by name.
-        optional = re.search(rf"\b{type_} = importlib\.\S+\.(\w+)$", code, re.MULTILINE)
-        kind = optional.group(1) if optional else type_
+        optional = re.search(
+            rf"\b{type_} = importlib\.\S+\.(\w+)$|import (\w+) as {type_}\b",
+            code,
+            re.MULTILINE | re.IGNORECASE,
+        )
+        kind = optional.group(optional.lastindex) if optional else type_
         defined = re.compile(rf"\b{variable} = f?\"(/[^\"]+)\"")
         where = packages() if variable.isupper() else code  # constants may be another module's
-        values = [literal] if literal else defined.findall(where)
+        values = [with_constants(literal, code)] if literal else defined.findall(where)
         names = [name.replace("~", "/sim_bridge") for name in values]
         # Relative ones are those of a run in no namespace.
         found |= {f"/{name.removeprefix('/')}": kind for name in names if name[0] not in ".$"}

@@ -119,7 +119,7 @@ def test_the_tests_above_can_fail(fault, monkeypatch):
             test_tighter_jerk_never_leads_out_of_a_limit,
         )
     else:
-        monkeypatch.setattr(LimitsInForce, "_acceleration", lambda self, state: np.zeros(N))
+        monkeypatch.setattr(LimitsInForce, "_acceleration", lambda *_: np.zeros(N))
         tests = (test_whenever_jerk_is_limited_all_other_limits_are_kept,)
     for test in tests:
         with pytest.raises(AssertionError):

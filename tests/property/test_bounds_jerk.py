@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
+from lexstack import compiled
 from lexstack.limits import JerkLaw, JointLimits, approach_speed, is_viable, stopping, viable_bounds
 
 N = 20
@@ -319,6 +320,7 @@ def faulty(fault, monkeypatch):
 def test_the_tests_above_can_fail(fault, monkeypatch):
     test = test_from_a_viable_state_every_limit_is_kept_for_ever.hypothesis.inner_test
     test("anything", 1, 0.1)
+    monkeypatch.setattr(compiled, "_LOADED", {})  # the plain form takes the fault
     faulty(fault, monkeypatch)
     # One random team need not meet the fault.
     with pytest.raises(AssertionError):

@@ -9,9 +9,8 @@ import lexstack
 from lexstack.hqp.curvature import add_curvature
 from lexstack.options import build
 from lexstack.references import measured
-from lexstack.robots import RobotFile
+from lexstack.robots import RobotFile, arc
 from lexstack.robots.team import NO_POSITION
-from lexstack.robots.unicycle import arc
 from lexstack.tasks import TASKS
 from lexstack.tasks.feed_forward import feed_forward
 from lexstack_config.resolved import load_robot

@@ -140,9 +140,7 @@ def test_the_tests_above_can_fail(fault, monkeypatch):
             lambda self, limits, motion: replace(limits, jerk=np.full(limits.n, np.inf)),
         )
     else:
-        monkeypatch.setattr(
-            LimitsInForce, "_acceleration", lambda self, state: 0.0 * acceleration(self, state)
-        )
+        monkeypatch.setattr(LimitsInForce, "_acceleration", lambda *args: 0.0 * acceleration(*args))
     test = test_the_acceleration_of_the_command_is_continuous
     with pytest.raises(AssertionError):
         test.hypothesis.inner_test(run)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from lexstack.control import ExactPlant
-from lexstack.robots.unicycle import arc
+from lexstack.robots import arc
 from lexstack_config.parts import build_team, home_of
 from lexstack_config.plant_file import load_plant
 from lexstack_plant.hardware.base_intake import BaseSample, turned

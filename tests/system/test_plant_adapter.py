@@ -107,8 +107,8 @@ def test_a_killed_solver_changes_nothing_and_a_killed_controller_brakes(tmp_path
         limit = 0.01 * team().limits.acceleration
         assert (np.abs(np.diff(commands, axis=0)) <= limit * (1 + 1e-9)).all()
         assert not commands[-1].any()
-        adapter = (run.out / "logs" / f"{ADAPTER}.log").read_text(encoding="utf-8")
-        assert "disabled: no commands for 1.1 s" in adapter
+        log = run.out / "logs" / f"{ADAPTER}.log"
+        user.until(lambda: "disabled: no commands for 1.1 s" in log.read_text(encoding="utf-8"))
 
         given = {"scenario": str(run.path), "peers": ADAPTER}
         name = "hqp_controller"

@@ -104,7 +104,7 @@ def test_every_panel_is_shown_once():
 def test_it_shows_what_a_run_is_about():
     shown = paths(layout())
     for path in (
-        "/robot_a/transition.alpha",
+        "/robot_a/chi.transitions[0].alpha",
         "/robot_a/transition.phase",
         "/robot_a/transition.to_stack",
         "/robot_a/chi.slacks[0]",

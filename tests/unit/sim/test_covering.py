@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 import yaml
 
-from lexstack.robots import RobotModel
-from lexstack.robots.options import SphereConfig
+from lexstack.robots import RobotModel, SphereConfig
 from lexstack_bringup.commands import fit_spheres
 from lexstack_config.reader import build
 from lexstack_config.resolved import load_robot

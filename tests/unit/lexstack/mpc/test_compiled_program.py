@@ -16,7 +16,7 @@ from lexstack.mpc.htmpc import frames_of
 from lexstack.mpc.stage.arrays import Costs
 from lexstack.mpc.stage.kernel import chain, condensing, curvature, driving, evaluation
 from lexstack.mpc.stage.model import CompiledStageModel
-from lexstack.robots.spatial import from_rpy, to_quaternion
+from lexstack.robots import from_rpy, to_quaternion
 from support.htmpc import config, random_objectives, random_start, robot
 from support.scenario import CONFIG
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lexstack.mpc.double_integrator import Horizon
+from lexstack.mpc import Horizon
 from lexstack.mpc.kernel import riccati
 from lexstack.mpc.kernel.values import Gains, Weights
 

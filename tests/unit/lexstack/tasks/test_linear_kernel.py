@@ -5,7 +5,7 @@ import pytest
 
 from lexstack.control.kernels import load_kernels
 from lexstack.references import measured
-from lexstack.robots.spatial import wrap
+from lexstack.robots import wrap
 from lexstack.tasks import TASKS, base_pose, posture
 from lexstack.tasks.kernel import linear
 from lexstack_config.parts import build_team

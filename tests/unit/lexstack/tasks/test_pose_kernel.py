@@ -10,8 +10,7 @@ import pytest
 
 from lexstack.control.kernels import load_kernels
 from lexstack.robots import Pose
-from lexstack.tasks import frame_pose
-from lexstack.tasks.frame_pose import pose_error, saturated
+from lexstack.tasks import frame_pose, pose_error, saturated
 from lexstack.tasks.kernel import pose as kernel
 
 load_kernels()

@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     from lexstack.robots.robot import RobotModel
     from lexstack.robots.robot_file import ArmFile, RobotFile, completed
     from lexstack.robots.spatial import from_quaternion, from_rpy, log3, to_quaternion, wrap
+    from lexstack.robots.sphere_fit import Covering, cover
     from lexstack.robots.team import Team
+    from lexstack.robots.unicycle import arc
     from lexstack.robots.urdf import slides
 else:
     __getattr__ = on_demand(
@@ -50,7 +52,9 @@ else:
             "robot": "RobotModel",
             "robot_file": "ArmFile RobotFile completed",
             "spatial": "from_quaternion from_rpy log3 to_quaternion wrap",
+            "sphere_fit": "Covering cover",
             "team": "Team",
+            "unicycle": "arc",
             "urdf": "slides",
         },
     )
@@ -64,6 +68,7 @@ __all__ = [
     "ArmFile",
     "BaseConfig",
     "Configuration",
+    "Covering",
     "DifferentialConfig",
     "FrameAt",
     "FrameConfig",
@@ -81,8 +86,10 @@ __all__ = [
     "Vector3",
     "WheelsConfig",
     "along_axes",
+    "arc",
     "build_base",
     "completed",
+    "cover",
     "description_path",
     "from_quaternion",
     "from_rpy",

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lexstack.limits import LIMITS, JointLimits
-from lexstack.robots import RobotModel, along_axes
-from lexstack.robots.unicycle import arc
+from lexstack.robots import RobotModel, along_axes, arc
 from lexstack.types import Vector
 from lexstack_config.plant_file import RobotInterfaceConfig, SafetyConfig
 from lexstack_plant.hardware.base_intake import BaseIntake
