@@ -225,11 +225,12 @@ def test_a_long_message_takes_no_long_time(number):
     two = serialize_message(Chi(transitions=[message] * 2))
     many = serialize_message(Chi(transitions=[message] * number))
     assert len(many) > number * (len(two) - len(one)) // 2
-    begun = time.process_time()
-    try:
-        assert len(Reader(Chi)(many).transitions) == number
-    except CdrError as error:
-        assert "more than" in str(error)
+    begun, read = time.process_time(), Reader(Chi)
+    if number == 3000:
+        assert len(read(many).transitions) == number
+    else:
+        with pytest.raises(CdrError, match="more than 100000 fields"):
+            read(many)
     assert time.process_time() - begun < 2.0  # 0.3 s; quadratic in the number: 4 s and an hour
 
 

@@ -12,7 +12,7 @@ from lexstack.options import shown
 from lexstack_config.reader import build, plain
 from lexstack_config.resolved import ResolvedScenario
 
-Row = dict[str, float | int | str | bool]
+Row = dict[str, float | int | str | bool | None]
 """What a run has found, by the names of the figures (with their units)."""
 
 Kind = Callable[[Path, str, Mapping[str, Any]], Row]
