@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -215,6 +216,22 @@ def test_random_bytes_are_refused_or_read():
             read(bytes(broken))
         except CdrError:
             continue
+
+
+@pytest.mark.parametrize("number", [3000, 99_999])
+def test_a_long_message_takes_no_long_time(number):
+    message = TransitionStatus(to_stack="posture")
+    one = serialize_message(Chi(transitions=[message]))
+    two = serialize_message(Chi(transitions=[message] * 2))
+    many = serialize_message(Chi(transitions=[message] * number))
+    assert len(many) > number * (len(two) - len(one)) // 2
+    begun, read = time.process_time(), Reader(Chi)
+    if number == 3000:
+        assert len(read(many).transitions) == number
+    else:
+        with pytest.raises(CdrError, match="more than 100000 fields"):
+            read(many)
+    assert time.process_time() - begun < 2.0  # 0.3 s; quadratic in the number: 4 s and an hour
 
 
 def test_a_buffer_takes_numbers_alone():

@@ -100,6 +100,7 @@ def test_any_key_can_be_changed(resolved):
             Changes(("stacks.track.levels.9.tasks=1",)),
             "stacks.track.levels: no entry '9'; it has 2",
         ),
+        (Changes((f"stacks.track.levels.{'9' * 5000}.tasks=1",)), "stacks.track.levels: no entry"),
         (Changes(("transition.duration=-1",)), "duration: must be finite and > 0, got -1.0"),
         (Changes(method="jump"), "transition.method: unknown method 'jump'; known: bridge"),
         (Changes(stack="dance"), "--stack: unknown 'dance'; known: reach_base, track"),

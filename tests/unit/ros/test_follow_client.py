@@ -28,6 +28,8 @@ def test_the_newest_status_of_a_robot_says_on_which_stack_it_is():
         hear(status(["robot_b"], "track", "posture", TransitionStatus.PREPARING))
         hear(status(["robot_a"], "track", "reach_base", TransitionStatus.BLENDING))
         assert (client.stack(0), client.stack(1)) == ("reach_base", "track")
+        hear(b"\x00\x01\x00\x00no message")
+        assert (client.stack(0), client.stack(1)) == ("reach_base", "track")
         for _ in range(2):
             hear(status(["robot_a"], "track", "reach_base", TransitionStatus.ADOPTING))
             hear(status(["robot_b"], "track", "posture", TransitionStatus.BLENDING))

@@ -105,6 +105,18 @@ def test_time_is_the_simulated_one_where_there_is_a_clock(served):
     served.until(lambda: client.heard and client.heard[-1][1] == 12_000_000_345, meanwhile=tick)
 
 
+def test_what_is_no_clock_is_left_out(served):
+    before = Clock()
+    before.clock.sec = -1
+    good = Clock()
+    good.clock.sec = 3
+    for data in (b"", b"\x00", serialize_message(good)[:9], serialize_message(before)):
+        served.server._on_clock(data)
+        assert served.server._now is None
+    served.server._on_clock(serialize_message(good))
+    assert served.server._now == 3_000_000_000
+
+
 def test_nobody_can_publish_call_or_read_other_files(served):
     client = served.client()
     mesh, path = next(iter(meshes_of(team()).items()))
@@ -124,7 +136,7 @@ def test_every_mesh_of_the_robots_is_found():
     assert all(name.startswith("package://") for name in found)
 
 
-@pytest.mark.parametrize("port", ["-1", "65536", "x", "", "８", "1e3"])
+@pytest.mark.parametrize("port", ["-1", "65536", "x", "", "８", "1e3", "9" * 5000])
 def test_a_port_that_is_none_is_refused(port):
     with pytest.raises(ConfigurationError, match="foxglove: expected a port from 0 to 65535"):
         check_foxglove(port)

@@ -431,6 +431,17 @@ def test_bytes_that_are_no_transforms_are_counted(bench):
     assert bench.topics._frames.transforms.refused == 1
 
 
+def test_a_name_that_is_no_utf_8_beside_a_robots_own_frame_ends_nothing(bench):
+    _, take = bench.node.listeners["/tf"]
+    transforms = bench.topics._frames.transforms
+    data = tree("robot_a/base", "robot_c", "robot_d").replace(b"robot_d", b"\xa6obot_d")
+    for _ in range(2):
+        take(data)
+    assert "robot_c" in transforms.frames
+    take(tree("robot_a/base", *[f"f{i}" for i in range(11_000)]))  # more than a layout takes
+    assert "f0" in transforms.frames
+
+
 def test_a_target_in_a_frame_that_is_heard_on_tf_behind_a_robots_own(bench):
     bench.go(10)
     hear(bench, "robot_b/tool", "camera", (0.0, 0.0, 0.1), static=True)

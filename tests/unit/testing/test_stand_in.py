@@ -45,6 +45,13 @@ def stand_in(**values):
 # ---- habits
 
 
+@pytest.mark.parametrize("value", ["nan", "inf", "-2", "1e300"])
+@pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(Habits)])
+def test_habits_out_of_range_are_refused(name, value):
+    with pytest.raises(ConfigurationError, match=f"habit {name}: must be in"):
+        parse_habits(f"{name}={value}")
+
+
 def test_habits_are_read_from_a_text():
     assert parse_habits("") == Habits()
     assert parse_habits("all, drop=0.5") == dataclasses.replace(ALL, drop=0.5)

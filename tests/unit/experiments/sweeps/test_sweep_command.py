@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pyarrow import parquet
 
+from lexstack.errors import ConfigurationError
 from lexstack.limits import viable_bounds
 from lexstack_experiments.commands import sweep as command
 from lexstack_experiments.sweeps.execution import ERROR
@@ -97,6 +98,7 @@ def test_a_run_that_cannot_be_done_is_told_and_the_others_go_on(small, tmp_path,
     [
         ("seed: 1\n", "has runs of another sweep"),
         ("random: {other: {low: 0, high: 1}}\n", "other"),
+        ("random: {stacks: {type: one_of, values: [[]]}}\n", "stacks: at least one stack"),
     ],
 )
 def test_another_sweep_or_an_unknown_value_is_refused(small, tmp_path, capsys, change, told):
@@ -123,3 +125,63 @@ def command_config():
     from support.scenario import CONFIG
 
     return CONFIG
+
+
+@pytest.mark.parametrize("figure", ["acceleration", "stacks"])
+def test_a_limit_that_judges_nothing_is_told(small, tmp_path, capsys, figure):
+    text = small.read_text(encoding="utf-8").replace("acceleration_ratio", figure)
+    small.write_text(text, encoding="utf-8")
+    code, _ = run(small, tmp_path, "--strict", "--first", "2")
+    assert code == 1
+    assert f"{figure} <= 1: not judged, no run has this figure" in capsys.readouterr().out
+
+
+def test_a_limit_on_a_text_is_not_judged(small, tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(KINDS, "promises", lambda *_: {"acceleration_ratio": "fast"})
+    assert run(small, tmp_path)[0] == 0
+    assert "acceleration_ratio <= 1: not judged" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("figure", [np.inf, np.nan])
+def test_a_figure_that_is_not_finite_breaks_its_limit(small, tmp_path, monkeypatch, capsys, figure):
+    monkeypatch.setitem(KINDS, "promises", lambda *_: {"acceleration_ratio": figure})
+    assert run(small, tmp_path, "--strict")[0] == 1
+    assert "acceleration_ratio <= 1: broken in 6 of 6 runs" in capsys.readouterr().out
+
+
+def test_a_run_whose_arithmetic_fails_takes_no_other_with_it(small, tmp_path, monkeypatch):
+    def sometimes(config, of, values):
+        return {"acceleration_ratio": 1.0 / (values["duration"] - 0.2)}
+
+    monkeypatch.setitem(KINDS, "promises", sometimes)
+    assert run(small, tmp_path)[0] == 0
+    table = parquet.read_table(tmp_path / "out" / RUNS)
+    assert table[ERROR].to_pylist() == [""] * 3 + ["ZeroDivisionError: float division by zero"] * 3
+
+
+@pytest.mark.parametrize("batch", ["1", "3", "6"])
+def test_values_of_several_types_are_kept(small, tmp_path, monkeypatch, batch):
+    text = small.read_text(encoding="utf-8").replace("[0.05, 0.2]", "[auto, 3, 0.5, null, true]")
+    small.write_text(text, encoding="utf-8")
+    monkeypatch.setitem(KINDS, "promises", lambda *_: {"acceleration_ratio": 1})
+    assert run(small, tmp_path, "--batch", batch)[0] == 0
+    kept = parquet.read_table(tmp_path / "out" / RUNS)["duration"].to_pylist()
+    in_words = ("auto", "3", "0.5", None, "True")
+    assert kept == [text for text in in_words for _ in range(3)]
+
+
+def test_a_part_that_is_cut_short_is_named(small, tmp_path, capsys):
+    assert run(small, tmp_path, "--first", "3")[0] == 0
+    part = sorted((tmp_path / "out" / "parts").glob("*.parquet"))[0]
+    part.write_bytes(part.read_bytes()[:-20])
+    assert run(small, tmp_path)[0] == 1
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert error.startswith(f"error: {part}: cannot be read; delete it to run it again: ")
+    part.unlink()
+    assert run(small, tmp_path)[0] == 0
+
+
+@pytest.mark.parametrize("values", [{"ticks": 3}, {"cases": 3}])
+def test_a_fault_has_no_other_values(values):
+    with pytest.raises(ConfigurationError, match="a fault has only seed and case"):
+        KINDS["fault"](command_config(), "x", {"seed": 1, **values})

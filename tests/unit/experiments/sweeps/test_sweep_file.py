@@ -66,6 +66,12 @@ def test_random_values_are_in_their_ranges_and_fill_them():
         ({"random": {"c": {"low": 0, "high": 1, "of": "logarithms"}}}, "no logarithm"),
         ({"random": {"c": {"low": 0.5, "high": 1, "of": "integers"}}}, "must be integers"),
         ({"random": {"c": {"type": "one_of", "values": []}}}, "at least one value"),
+        ({"random": {"c": {"low": 0, "high": 1e300, "of": "integers"}}}, "within 2^53"),
+        ({"random": {"c": {"low": -1e308, "high": 1e308}}}, "too wide"),
+        ({"grid": {"seed": [1, 2]}}, "here: seed: every run has its own"),
+        ({"random": {"seed": {"low": 0, "high": 1}}}, "here: seed: every run has its own"),
+        ({"grid": {letter: [*range(10)] for letter in "fghijklmno"}}, "grid: 500000000000 runs"),
+        ({"grid": {str(i): [*range(10)] for i in range(30)}}, "runs in all, at most 10000000"),
         ({"limits": {"x": {}}}, "least or most is needed"),
     ],
 )

@@ -86,3 +86,17 @@ def test_as_few_as_an_error_takes():
 def test_what_cannot_be_is_told(shapes, most, beyond, told):
     with pytest.raises(ModelError, match=told):
         cover(shapes, most, beyond)
+
+
+@pytest.mark.parametrize(
+    ("shapes", "told"),
+    [
+        ([], "no shape"),
+        ([np.eye(4)[:, :2]], r"expected shape \(m, 3\), got \(4, 2\)"),
+        ([1e300 * np.vstack([np.zeros(3), np.eye(3)])], "farther than 1e.06 m"),
+        ([np.nan * np.vstack([np.zeros(3), np.eye(3)])], "not a number"),
+    ],
+)
+def test_shapes_that_are_none_are_refused(shapes, told):
+    with pytest.raises(ModelError, match=told):
+        cover(shapes, 3)

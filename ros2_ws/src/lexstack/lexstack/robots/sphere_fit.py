@@ -28,6 +28,7 @@ _SAMPLES = 30  # along its longest side
 _STARTS = 4  # of which the best counts
 _FINER = 4  # times as many samples, for the radii
 _ROUNDING = 1e-9  # m
+_LARGEST = 1e6  # m, of a corner
 _FINEST = 1e-3  # m, between samples
 
 
@@ -82,6 +83,8 @@ def cover(shapes: list[Matrix], most: int, beyond: float = 0.0) -> Covering:
     """
     if most < 1 or not beyond >= 0.0:
         raise ModelError(f"expected at least one sphere and beyond >= 0, got {most}, {beyond}")
+    if not shapes:
+        raise ModelError("there is no shape to cover")
     hulls = [_hull(corners) for corners in shapes]
     sampled = _sampled(hulls)
     rng = np.random.default_rng(0)
@@ -139,6 +142,12 @@ def _tightened(hulls: list[ConvexHull], centers: Matrix, depths: Vector) -> Cove
 
 def _hull(corners: Matrix) -> ConvexHull:
     """Return the hull of corners; raises ModelError for flat ones."""
+    if np.ndim(corners) != 2 or np.shape(corners)[1] != 3:
+        raise ModelError(f"corners: expected shape (m, 3), got {np.shape(corners)}")
+    if not np.abs(corners).max(initial=0.0) <= _LARGEST:
+        raise ModelError(
+            f"a corner is not a number, or farther than {_LARGEST:g} m from the origin"
+        )
     try:
         return ConvexHull(corners)
     except (QhullError, ValueError) as error:

@@ -90,6 +90,9 @@ class Question:
     progress: Progress = lambda _part: None
 
 
+_DIGITS = 10  # of a place in a list, fewer; Python makes no number of thousands
+
+
 def _set(tree: dict[str, Any], setting: str) -> None:
     """Put one ``KEY=VALUE`` into the plain scenario; raises ConfigurationError."""
     key, mark, text = setting.partition("=")
@@ -114,7 +117,7 @@ def _index(place: Any, name: str, path: Sequence[str]) -> str | int:
     """Return a name as an index of a mapping or list; raises ConfigurationError listing them."""
     where = ".".join(path) or "the scenario"
     if isinstance(place, list):
-        if name.isdecimal() and int(name) < len(place):
+        if name.isdecimal() and len(name) < _DIGITS and int(name) < len(place):
             return int(name)
         raise ConfigurationError(f"--set: {where}: no entry {name!r}; it has {len(place)}")
     if isinstance(place, dict):

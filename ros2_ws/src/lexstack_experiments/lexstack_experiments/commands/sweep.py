@@ -12,6 +12,7 @@ from datetime import datetime
 from pathlib import Path
 
 from lexstack.errors import ConfigurationError, LexstackError
+from lexstack_bag.storage.folders import writing
 from lexstack_config.yaml_text import read_text
 from lexstack_experiments.machine import Machine, commit_here
 from lexstack_experiments.sweeps.execution import batches, run_batch, spread
@@ -29,8 +30,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Returns:
         0 when all runs are done; 1 when the sweep could not be done, or with ``--strict`` when a
-        limit is broken or a run failed; 2 for bad arguments; 130 after Ctrl-C: what is done is
-        kept, and the same command goes on.
+        limit is broken or not judged, or a run failed; 2 for bad arguments; 130 after Ctrl-C: what
+        is done is kept, and the same command goes on.
     """
     root = Path(os.environ.get("LEXSTACK_ROOT", ".")).resolve()
     parsed = _parser().parse_args(arguments)
@@ -67,10 +68,14 @@ def _run(sweep: SweepFile, folder: SweepFolder, config: Path, parsed: argparse.N
     machine = ", ".join(f"{key} {value}" for key, value in asdict(Machine.here()).items())
     facts = f"{runs.num_rows} runs, seed {sweep.seed}, commit {commit_here()}, {machine}"
     report = folder.path / "report.html"
-    report.write_text(page(sweep, runs, facts), encoding="utf-8")
+    with writing(report):
+        report.write_text(page(sweep, runs, facts), encoding="utf-8")
     broken = 0
     for kept in limits_kept(runs, sweep):
-        broken += kept.broken
+        broken += kept.broken or not kept.runs
+        if not kept.runs:
+            print(f"{kept.figure} {kept.limit}: not judged, no run has this figure as a number")
+            continue
         print(
             f"{kept.figure} {kept.limit}: broken in {kept.broken} of {kept.runs} runs; chance "
             f"<= {kept.bound:.2g} at 95 % confidence; nearest or beyond: run {kept.worst}"

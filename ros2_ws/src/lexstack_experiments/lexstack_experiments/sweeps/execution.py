@@ -34,8 +34,9 @@ class Done:
 def run_batch(sweep: SweepFile, config: Path, indices: Indices) -> Done:
     """Do some runs one after the other; called in the workers.
 
-    A run that cannot be done has the reason in its row. What is wrong with the sweep itself, such
-    as an unknown key, is raised: it is wrong in every run.
+    A run that cannot be done has the reason in its row: what the library says, or what its
+    arithmetic does with the values; so no run takes the others with it. What is wrong with the
+    sweep itself, such as an unknown key, is raised: it is wrong in every run.
 
     Raises:
         ConfigurationError: a value does not fit the kind of run.
@@ -49,13 +50,15 @@ def run_batch(sweep: SweepFile, config: Path, indices: Indices) -> Done:
             raise
         except LexstackError as error:
             found = {ERROR: " ".join(str(error).split()) or type(error).__name__}
+        except (ArithmeticError, ValueError) as error:
+            found = {ERROR: f"{type(error).__name__}: {' '.join(str(error).split())}"}
         rows.append({**{key: cell(value) for key, value in values.items()}, **found})
     return Done(tuple(indices), tuple(rows))
 
 
-def cell(value: Any) -> float | int | str | bool:
+def cell(value: Any) -> float | int | str | bool | None:
     """Return a value as it is kept in a table: numbers and texts as they are, others as text."""
-    return value if isinstance(value, float | int | str) else repr(value)
+    return value if value is None or isinstance(value, float | int | str) else repr(value)
 
 
 def batches(indices: Indices, size: int) -> list[Indices]:
@@ -81,7 +84,7 @@ def spread(
         LexstackError: the cluster cannot be reached.
     """
     with ExitStack() as stack:
-        jobs = _connected(stack, cluster) if cluster else workers or -1
+        jobs = _connected(stack, cluster) if cluster else min(workers, len(groups)) or -1
         calls = [joblib.delayed(run_batch)(sweep, config, group) for group in groups]
         if not cluster.startswith("ray:"):
             parallel = joblib.Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)

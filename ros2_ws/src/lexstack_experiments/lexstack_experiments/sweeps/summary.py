@@ -56,18 +56,24 @@ def numbers(table: pa.Table, name: str) -> Vector:
 
 
 def limits_kept(table: pa.Table, sweep: SweepFile) -> list[Kept]:
-    """Return for each limit of a sweep in how many runs it holds."""
+    """Return for each limit of a sweep in how many runs it holds; in none where none has it."""
+    figures = figures_of(table, sweep)
     return [
-        _kept(name, limit, numbers(table, name), table[INDEX].to_numpy())
+        _kept(name, limit, *_having(table, name if name in figures else None))
         for name, limit in sweep.limits.items()
-        if name in table.column_names
     ]
+
+
+def _having(table: pa.Table, name: str | None) -> tuple[Vector, Vector]:
+    """Return the figure in the runs that have it, and their numbers; NaN is a figure."""
+    if name is None:
+        return np.zeros(0), np.zeros(0)
+    has = table[name].is_valid().to_numpy()
+    return numbers(table, name)[has], table[INDEX].to_numpy()[has]
 
 
 def _kept(name: str, limit: LimitConfig, figures: Vector, indices: Vector) -> Kept:
     """Return in how many of the runs that have a figure its limit holds."""
-    has = np.isfinite(figures)
-    figures, indices = figures[has], indices[has]
     least, most = limit.least, limit.most
     ends = {">=": least, "<=": most}
     words = " and ".join(f"{sign} {end:g}" for sign, end in ends.items() if end is not None)

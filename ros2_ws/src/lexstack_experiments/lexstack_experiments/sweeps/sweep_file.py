@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -12,6 +13,10 @@ import numpy as np
 from lexstack.errors import ConfigurationError
 from lexstack.options import Finite, Name, NotEmpty, Range, shown
 from lexstack_config.reader import build, read_yaml
+
+_LARGEST = 2**53  # integers up to it are numbers of double precision, each
+_MOST = 10_000_000  # runs in all
+_OWN = ("seed", "run", "error")  # columns that every table of runs has
 
 Values = dict[str, Any]
 """The values of one run by their keys."""
@@ -32,6 +37,10 @@ class UniformConfig:
             raise ConfigurationError(f"{where}: high: must be at least low, {self.low:g}")
         if self.of == "logarithms" and self.low <= 0.0:
             raise ConfigurationError(f"{where}: low: must be above 0, it has no logarithm")
+        if self.of == "integers" and max(abs(self.low), abs(self.high)) > _LARGEST:
+            raise ConfigurationError(f"{where}: low and high of an integer must be within 2^53")
+        if not np.isfinite(self.high - self.low):
+            raise ConfigurationError(f"{where}: high: the interval from {self.low:g} is too wide")
         if self.of == "integers" and (self.low % 1.0 or self.high % 1.0):
             raise ConfigurationError(f"{where}: low and high of an integer must be integers")
 
@@ -85,17 +94,22 @@ class SweepFile:
     of: str = ""  # which scenario, experiment or case of `experiment faults`
     grid: dict[str, tuple[Any, ...]] = field(default_factory=dict)  # by key: all values
     random: dict[str, UniformConfig | OneOfConfig] = field(default_factory=dict)  # by key
-    runs: Annotated[int, Range(1, 10_000_000)] = 1  # of each combination of the grid
+    runs: Annotated[int, Range(1, _MOST)] = 1  # of each combination of the grid
     seed: Annotated[int, Range(0, 2**31 - 1)] = 0  # of all random values
     limits: dict[str, LimitConfig] = field(default_factory=dict)  # by figure: what must hold
 
     def validate(self, where: str) -> None:
-        """Raise ConfigurationError for a key that is both, or an axis without values."""
+        """Raise ConfigurationError for a key that is both or no value, or too many runs."""
+        for key in _OWN:
+            if key in self.grid or key in self.random:
+                raise ConfigurationError(f"{where}: {key}: every run has its own; remove it")
         for key, values in self.grid.items():
             if not values:
                 raise ConfigurationError(f"{where}: grid.{shown(key)}: no values")
             if key in self.random:
                 raise ConfigurationError(f"{where}: random.{shown(key)}: is in the grid too")
+        if self.size > _MOST:
+            raise ConfigurationError(f"{where}: grid: {self.size} runs in all, at most {_MOST}")
 
     @property
     def combinations(self) -> list[Values]:
@@ -107,7 +121,7 @@ class SweepFile:
     @property
     def size(self) -> int:
         """How many runs there are."""
-        return self.runs * int(np.prod([len(values) for values in self.grid.values()]))
+        return self.runs * math.prod(len(values) for values in self.grid.values())
 
     def values(self, index: int) -> Values:
         """Return the values of a run, with its ``seed``.
@@ -121,8 +135,13 @@ class SweepFile:
         """
         combination, number = divmod(index, self.runs)
         rng = np.random.default_rng([self.seed, number])
-        drawn = {key: chosen.draw(rng) for key, chosen in self.random.items()}
-        return {**self.combinations[combination], **drawn, "seed": int(rng.integers(2**31))}
+        drawn = {key: chance.draw(rng) for key, chance in self.random.items()}
+        chosen = {}
+        for key, axis in reversed(self.grid.items()):  # the last key changes fastest
+            combination, place = divmod(combination, len(axis))
+            chosen[key] = axis[place]
+        grid = {key: chosen[key] for key in self.grid}
+        return {**grid, **drawn, "seed": int(rng.integers(2**31))}
 
 
 def load_sweep(path: Path) -> SweepFile:

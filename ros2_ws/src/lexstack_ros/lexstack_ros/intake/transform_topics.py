@@ -11,7 +11,7 @@ from rclpy.serialization import deserialize_message
 from tf2_msgs.msg import TFMessage
 
 from lexstack_ros.intake.frames import Frames
-from lexstack_ros.messages.cdr_layout import HEAD, Layout, fields_of
+from lexstack_ros.messages.cdr_layout import HEAD, CdrError, Layout, fields_of
 from lexstack_ros.messages.qos import STATIC_TRANSFORMS, TRANSFORMS
 
 Owns = Callable[[str], bool]
@@ -83,10 +83,13 @@ class _Hearing:
         except RuntimeError:  # bytes that are no message
             transforms.refused += 1
             return
-        if any(self._frames.owns(each.child_frame_id) for each in heard):
-            self._plants = _OtherFrames(data, heard, self._frames.owns)
-            heard = self._plants.read(data)
-        transforms.hear(heard, static=self._static)
+        others = [each for each in heard if not self._frames.owns(each.child_frame_id)]
+        if len(others) < len(heard):
+            try:
+                self._plants = _OtherFrames(data, heard, self._frames.owns)
+            except CdrError:  # a name that is no UTF-8, or too many: decoded each time
+                self._plants = None
+        transforms.hear(others, static=self._static)
 
 
 def listen(node: Node, frames: Frames) -> None:

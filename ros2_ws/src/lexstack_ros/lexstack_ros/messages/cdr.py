@@ -71,7 +71,7 @@ class _Shape:
         paths = [*texts, *(each.path for each in (*singles, *arrays))]
         self._tree = _Tree(
             list(enumerate(path.split(".") for path in paths)),
-            {tuple(path.split(".")) for path in layout.arrays if wants(path)},
+            [path.split(".") for path in layout.arrays if wants(path)],
         )
 
     def read(self, data: bytes) -> Any:
@@ -101,27 +101,29 @@ class _Tree:
 
     def __init__(
         self,
-        places: Sequence[tuple[int, list[str]]],
-        arrays: Collection[tuple[str, ...]],
-        above: tuple[str, ...] = (),
+        places: Collection[tuple[int, list[str]]],
+        arrays: Collection[list[str]],
+        depth: int = 0,
     ) -> None:
         """Make the part of the tree below a path.
 
         Args:
             places: of each value below it, its place among all values and its whole path.
-            arrays: paths of the arrays of messages, empty ones too.
-            above: the path.
+            arrays: paths of the arrays of messages there and below, empty ones too.
+            depth: words of the path.
         """
-        depth = len(above)
-        leaves = [(path[-1], place) for place, path in places if len(path) == depth + 1]
-        inner = [path[depth] for _, path in places if len(path) > depth + 1]
-        inner += [path[depth] for path in arrays if path[:depth] == above and len(path) > depth]
-        self._list = above in arrays
-        self._leaves = tuple(leaves)
-        self._inner = tuple(
-            (name, _Tree([p for p in places if p[1][depth] == name], arrays, (*above, name)))
-            for name in dict.fromkeys(inner)
-        )
+        self._list = any(len(path) == depth for path in arrays)
+        self._leaves = tuple((path[-1], k) for k, path in places if len(path) == depth + 1)
+        # Sorted in one go: a search for each name would be quadratic in the length of an array.
+        inner: dict[str, tuple[list[tuple[int, list[str]]], list[list[str]]]] = {}
+        for each in places:
+            if len(each[1]) > depth + 1:
+                inner.setdefault(each[1][depth], ([], []))[0].append(each)
+        for path in arrays:
+            if len(path) > depth:
+                inner.setdefault(path[depth], ([], []))[1].append(path)
+        names = sorted(inner, key=int) if self._list else inner
+        self._inner = tuple((name, _Tree(*inner[name], depth + 1)) for name in names)
 
     def filled(self, values: Sequence[Any]) -> Any:
         """Return values in this shape: namespaces, and lists of them."""

@@ -37,7 +37,7 @@ _NUMBERS = {
     "double": "d",
 }
 _LENGTH = struct.calcsize("<I")
-_MOST = 100_000  # numbers, strings and messages of one message
+_MOST = 100_000  # fields, strings and messages of one message: so no walk takes long
 
 
 class CdrError(InputError):
@@ -181,6 +181,7 @@ class Layout:
             texts = [self._text() for _ in self._counted(1 if count is None else count)]
             self.texts[path] = texts[0] if count is None else texts
         elif field.kind:
+            self._counted(1)
             self._number(path, _NUMBERS[field.kind], count)
         else:
             for i in self._counted(1 if count is None else count):
@@ -191,7 +192,7 @@ class Layout:
         """Return the places of so many elements; raises CdrError where no message has as many."""
         self._left -= count
         if self._left < 0:
-            raise CdrError(f"a length is beyond {_MOST}")
+            raise CdrError(f"more than {_MOST} fields, strings and messages")
         return range(count)
 
     def _number(self, path: str, code: str, count: int | None) -> None:

@@ -68,7 +68,10 @@ class FollowClient:
         """Return the stack that a robot is on, or goes to; '' before the controller was heard."""
         name = self._team.names[robot]
         for data in reversed(self._statuses):
-            status = deserialize_message(data, TransitionStatus)
+            try:
+                status = deserialize_message(data, TransitionStatus)
+            except RuntimeError:  # bytes that are no message
+                continue
             if name in status.robots:
                 active = status.phase not in (
                     TransitionStatus.REQUESTED,

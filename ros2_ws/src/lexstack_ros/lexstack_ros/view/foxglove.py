@@ -32,6 +32,7 @@ _LOOK = 0.2  # s of wall time between two looks at what is asked for
 _SEARCH = 5  # looks between two searches for new topics
 _DEPTH = 50
 _MOST = 65535  # of ports
+_CLOCK_SIZE = 12  # bytes of a message
 _CLOCK = "rosgraph_msgs/msg/Clock"
 _MISSING = "Foxglove: the package foxglove-sdk is not there: pip install foxglove-sdk"
 
@@ -180,16 +181,24 @@ class Foxglove:
         topic.channel.log(data, log_time=self._now)
 
     def _on_clock(self, data: bytes) -> None:
-        """Take the simulated time; a clock is two numbers after four bytes of the encoding."""
+        """Take the simulated time; a clock is two numbers after four bytes of the encoding.
+
+        What is no clock, or before 0, which the SDK has no number for, is left out.
+        """
+        if len(data) < _CLOCK_SIZE:
+            return
         order = "<" if data[1] else ">"
         sec, nanosec = struct.unpack_from(f"{order}iI", data, 4)
+        if sec < 0:
+            return
         self._now = sec * 1_000_000_000 + nanosec
         self._server.broadcast_time(self._now)
 
 
 def check_foxglove(port: str) -> int:
     """Return the port in a text; raises ConfigurationError: it is none, or there is no SDK."""
-    if not port.isascii() or not port.isdigit() or not int(port) <= _MOST:
+    digits = port.isascii() and port.isdigit() and len(port) <= len(str(_MOST))
+    if not digits or int(port) > _MOST:
         raise ConfigurationError(f"foxglove: expected a port from 0 to {_MOST}, got {shown(port)}")
     _sdk()
     return int(port)

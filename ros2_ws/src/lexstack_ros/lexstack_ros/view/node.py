@@ -108,8 +108,14 @@ class ViewNode(Node):
             self._page.know_stacks(self._stacks.names)
 
     def _last(self, kind: type, topic: str) -> list[Any]:
-        """Return the last messages of a topic."""
-        return [deserialize_message(data, kind) for data in self._bytes[topic]]
+        """Return the last messages of a topic; bytes that are none are left out."""
+        found = []
+        for data in self._bytes[topic]:
+            try:
+                found.append(deserialize_message(data, kind))
+            except RuntimeError:
+                continue
+        return found
 
     def _offer(self) -> None:
         """Tell the page what is served."""
@@ -126,7 +132,10 @@ class ViewNode(Node):
         drawn = self._markers_out.get_subscription_count() > 0
         if not (drawn or self._page.is_watched) or not self._bytes[PLANT_STATE]:
             return
-        (state,) = self._last(PlantState, PLANT_STATE)
+        states = self._last(PlantState, PLANT_STATE)
+        if not states:
+            return
+        state = states[-1]
         chi = {
             name: message
             for name in (COMMANDER, SOURCE)

@@ -53,11 +53,22 @@ ALL = Habits(
 """All of them at once."""
 
 
+_RANGES = {
+    "rate": (1.0, 1000.0),
+    "jitter": (0.0, 10.0),
+    "late_by": (0.0, 10.0),
+    "quantum": (0.0, 1.0),
+    "drift": (-1.0, 1.0),
+    "speed": (1e-3, 1000.0),
+}
+"""Of numbers other than shares, which are in [0, 1]."""
+
+
 def parse_habits(text: str) -> Habits:
     """Return habits from a text like ``all`` or ``jitter=0.002,reorder=1``.
 
     Raises:
-        ConfigurationError: a habit is unknown, or its value no number.
+        ConfigurationError: a habit is unknown, or its value no number, or out of range.
     """
     habits = Habits()
     known = {field.name: field.type for field in fields(Habits)}
@@ -72,5 +83,10 @@ def parse_habits(text: str) -> Habits:
             number = float(value or 1.0)
         except ValueError as error:
             raise ConfigurationError(f"habit {name}: {value!r} is no number") from error
+        least, most = _RANGES.get(name, (0.0, 1.0))
+        if not least <= number <= most:
+            raise ConfigurationError(
+                f"habit {name}: must be in [{least:g}, {most:g}], got {number:g}"
+            )
         habits = replace(habits, **{name: bool(number) if known[name] == "bool" else number})
     return habits

@@ -15,6 +15,8 @@ from lexstack_experiments.experiments.faults import done
 from lexstack_experiments.sweeps.kinds.kind import Row
 from lexstack_testing.faults.cases import CASES
 
+_OPTIONS = {"seed", "case"}
+
 
 def fault_run(config: Path, of: str, values: Mapping[str, Any]) -> Row:
     """Do a fault to a running system; ``case`` of the values names it, else the sweep does.
@@ -24,6 +26,9 @@ def fault_run(config: Path, of: str, values: Mapping[str, Any]) -> Row:
         LexstackError: its bag cannot be read.
     """
     name = str(values.get("case", of))
+    for key in values:
+        if key not in _OPTIONS:
+            raise ConfigurationError(f"{shown(key)}: a fault has only seed and case")
     if name not in CASES:
         raise ConfigurationError(f"case: unknown {shown(name)}; known: {', '.join(CASES)}")
     with tempfile.TemporaryDirectory() as out:

@@ -12,7 +12,9 @@ from lexstack.options import shown
 from lexstack_config.reader import build, plain
 from lexstack_config.resolved import ResolvedScenario
 
-Row = dict[str, float | int | str | bool]
+_DIGITS = 10  # of a place in a list, fewer; Python makes no number of thousands
+
+Row = dict[str, float | int | str | bool | None]
 """What a run has found, by the names of the figures (with their units)."""
 
 Kind = Callable[[Path, str, Mapping[str, Any]], Row]
@@ -46,7 +48,12 @@ def _key(place: Any, part: str, path: str) -> Any:
     """Return a word of a path as the key of a mapping or the place in a list."""
     if isinstance(place, dict) and part in place:
         return part
-    if isinstance(place, list) and part.isdecimal() and int(part) < len(place):
+    if (
+        isinstance(place, list)
+        and part.isdecimal()
+        and len(part) < _DIGITS
+        and int(part) < len(place)
+    ):
         return int(part)
     raise ConfigurationError(f"{shown(path)}: a scenario has no {shown(part)} there")
 

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -21,7 +21,7 @@ from scipy.optimize import lsq_linear
 from lexstack.control import Command
 from lexstack.errors import ConfigurationError
 from lexstack.limits import viable_bounds
-from lexstack.options import NotNegative, Positive, shown
+from lexstack.options import NotEmpty, NotNegative, Positive, shown
 from lexstack.references import Target
 from lexstack.transition import SourceSample, TransitionConfig
 from lexstack.types import RobotState, Vector
@@ -38,12 +38,15 @@ _EVERY = 10  # ticks between two checks of level 1
 _QUINTIC = 5.774  # largest second derivative of the quintic blend of 1 in 1 s
 
 
+Stacks = Annotated[tuple[str, ...], NotEmpty("at least one stack is needed")]
+
+
 @dataclass(frozen=True, slots=True)
 class Chances:
     """What happens in a run; all of it is drawn with the run's seed."""
 
     seed: int  # of this run
-    stacks: tuple[str, ...] = ("track", "reach_base", "posture_mid_range")  # that are switched to
+    stacks: Stacks = ("track", "reach_base", "posture_mid_range")  # that are switched to
     ticks: int = 100  # of the run
     duration: Positive = 0.2  # s, of a blend
     requests: int = 2  # switches that are asked for, at any ticks
