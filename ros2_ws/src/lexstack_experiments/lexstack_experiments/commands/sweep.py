@@ -7,7 +7,6 @@ import os
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 
@@ -65,8 +64,11 @@ def _run(sweep: SweepFile, folder: SweepFolder, config: Path, parsed: argparse.N
         folder.keep(done)
         progress.advance(len(done.indices))
     runs = folder.gather()
-    machine = ", ".join(f"{key} {value}" for key, value in asdict(Machine.here()).items())
-    facts = f"{runs.num_rows} runs, seed {sweep.seed}, commit {commit_here()}, {machine}"
+    here = Machine.here()
+    facts = (
+        f"{runs.num_rows} runs, seed {sweep.seed}, commit {commit_here()}; gathered on "
+        f"{here.cores} cores ({here.processor}), Python {here.python}."
+    )
     report = folder.path / "report.html"
     with writing(report):
         report.write_text(page(sweep, runs, facts), encoding="utf-8")

@@ -22,14 +22,15 @@ from lexstack_experiments.sweeps.sweep_file import SweepFile
 _SHOWN_FAILURES = 20
 _HEIGHT = 260  # px
 _BODY = """
-<h1>{{ name }}</h1><p>{{ description }}</p>
-<p>{{ facts }}</p>
-<h2>Limits</h2>
+<header><div class='wrap'><h1>{{ name }}</h1><p class='lead'>{{ description }}</p>
+<p class='note'>{{ facts }}</p></div></header>
+<main class='wrap'><h2>Limits</h2>
 <p>Bound: of the chance that a run breaks the limit, at 95 % confidence (Clopper and Pearson).</p>
 {{ limits }}
 <h2>Figures of the runs</h2>{{ figures }}
 {% if failed %}<h2>Runs that could not be done</h2>{{ failed }}{% endif %}
 {% for plot in plots %}{{ plot }}{% endfor %}
+</main>
 """
 
 
