@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lexstack import compiled
+from lexstack.errors import InputError
 from lexstack.hqp import DaqpCascade, HqpProblem, KernelSolver
 from lexstack.hqp.kernel import solver as module
 from lexstack.hqp.kernel.exchange import solve
@@ -146,3 +147,11 @@ for seed in range(2):
     ]
     assert found[0]
     assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("solver", [KernelSolver, DaqpCascade])
+@pytest.mark.parametrize("shape", [(2,), (4,), (3, 1), ()])
+def test_bounds_whose_ends_do_not_fit_are_refused(solver, shape):
+    task = LinearTask("t", np.eye(3), np.zeros(3), np.zeros(3))
+    with pytest.raises(InputError, match="bounds: lower"):
+        solver().solve(HqpProblem(((task,),), Bounds(-np.ones(3), np.ones(shape))))

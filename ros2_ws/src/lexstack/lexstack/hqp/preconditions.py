@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from lexstack.errors import InputError
 from lexstack.hqp.hierarchy import FEASIBILITY, Hierarchy, Signs
 from lexstack.hqp.problem import HqpProblem, called
 from lexstack.limits.joint_limits import Bounds
@@ -18,8 +19,13 @@ def starting_point(hierarchy: Hierarchy, problem: HqpProblem) -> tuple[Vector, s
     Args:
         hierarchy: of the problem's levels.
         problem: with its bounds.
+
+    Raises:
+        InputError: the ends of the bounds do not fit each other (a programming error).
     """
     lower, upper = problem.bounds.lower, problem.bounds.upper
+    if lower.shape != upper.shape or lower.ndim != 1:
+        raise InputError(f"bounds: lower {lower.shape} and upper {upper.shape} do not fit chi")
     chi = np.minimum(np.maximum(lower, 0.0), upper)
     ordered = lower <= upper
     if np.count_nonzero(ordered) < chi.size or not math.isfinite(chi.dot(chi)):

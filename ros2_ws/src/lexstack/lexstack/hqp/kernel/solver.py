@@ -55,7 +55,7 @@ class KernelSolver:
         high = np.ascontiguousarray(problem.bounds.upper, dtype=float)
         n = low.size
         key, matrices, lowers, uppers = _gathered(problem, n)
-        if not matrices or not n:
+        if not matrices or not n or high.shape != low.shape:
             return self._other.solve(problem, warm)
         ends, curved = _laid_out(tuple(key))
         # Concatenated columns stay columns: the kernel takes rows that lie one behind the other.
