@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from lexstack.transition import TransitionConfig
+from lexstack_bringup.commands import find_plant
 from lexstack_bringup.domain import own_domain
 from lexstack_bringup.processes import NODES, RECORDER
 from support.runs import short_scenario
@@ -250,3 +251,12 @@ def test_a_folder_that_holds_something_is_refused(tmp_path, run_command):
     done = run_command(DEMO, "--out", tmp_path)
     assert done.returncode == 2
     assert "is not empty" in done.stderr
+
+
+@pytest.mark.parametrize("option", ["--wait", "--rate"])
+@pytest.mark.parametrize("value", ["nan", "inf", "-1", "0", "x"])
+def test_a_plant_is_not_searched_for_ever(option, value, capsys):
+    with pytest.raises(SystemExit) as ended:
+        find_plant.main(["reach", option, value])
+    assert ended.value.code == 2
+    assert option in capsys.readouterr().err.splitlines()[-1]

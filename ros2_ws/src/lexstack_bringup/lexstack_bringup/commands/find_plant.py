@@ -25,6 +25,7 @@ from lexstack_plant.finding.graph import find_endpoints
 from lexstack_plant.finding.manager import find_controllers
 from lexstack_plant.finding.matching import Found, Wanted, find_plant_content
 
+_MOST = 1e4  # s, Hz
 _PATIENCE = 3.0  # s of wall time
 
 
@@ -113,15 +114,23 @@ def _parser(config: Path) -> argparse.ArgumentParser:
     )
     add_scenario_arguments(parser, config)
     parser.add_argument("--name", default="found", help="of the file (default: %(default)s)")
-    parser.add_argument("--rate", type=float, help="Hz (default: the scenario's)")
+    parser.add_argument("--rate", type=_number, help="Hz (default: the scenario's)")
     parser.add_argument(
         "--wait",
-        type=float,
+        type=_number,
         default=_PATIENCE,
         metavar="SECONDS",
         help="for topics to be discovered, and as long for joint states (default: %(default)g)",
     )
     return parser
+
+
+def _number(text: str) -> float:
+    """Return a time or rate of an argument, above 0."""
+    number = float(text)
+    if not 0.0 < number <= _MOST:
+        raise argparse.ArgumentTypeError(f"must be above 0 and at most {_MOST:g}, got {text!r:.40}")
+    return number
 
 
 if __name__ == "__main__":
