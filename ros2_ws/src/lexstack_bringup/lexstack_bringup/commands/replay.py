@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from threading import Event
 
 import rclpy
 from rclpy.experimental import EventsExecutor
@@ -97,13 +99,13 @@ def _view(arguments: Sequence[str]) -> int:
 
     run = read_run(options.bag, ProgressBar("reading"))
     page = BagPage(f"lexstack: {run.resolved.scenario.name}, recorded", Recorded(run))
-    try:
-        print(f"watch it at {page.url}", flush=True)
-        run_page(page)
-    except KeyboardInterrupt:
-        return 0
-    finally:
-        page.close()
+    ended = Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: ended.set())
+    print(f"watch it at {page.url}", flush=True)
+    run_page(page, ended)
+    page.close()
+    return 0
 
 
 def _publish(options: argparse.Namespace) -> int:

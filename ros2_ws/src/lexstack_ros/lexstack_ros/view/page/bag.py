@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from threading import Event
 from typing import Any
 
 import viser
@@ -89,11 +90,14 @@ class BagPage(Page):
         self._button.label = "Pause" if plays else "Play"
 
 
-def run_page(page: BagPage, period: float = 0.05) -> None:
-    """Show a bag until KeyboardInterrupt; ``period`` of wall time between two pictures [s]."""
+def run_page(page: BagPage, ended: Event, period: float = 0.05) -> None:
+    """Show a bag until it is ``ended``; ``period`` of wall time between two pictures [s].
+
+    An exception in the middle of a picture, as Ctrl-C would be, may leave a lock of the server
+    taken, and the server could not be ended: so the signal sets an event.
+    """
     last = time.monotonic()
-    while True:
-        time.sleep(period)
+    while not ended.wait(period):
         now = time.monotonic()
         page.advance(now - last)
         last = now
