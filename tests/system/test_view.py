@@ -158,16 +158,17 @@ def test_a_frame_of_a_stack_that_is_written_on_the_page_is_dragged(visitor):
 
 
 def test_a_push_moves_the_robot(visitor):
-    def bent():
+    def bent(state):
         """How far the arm is from where the commands have it [rad]."""
-        state = visitor.states[-1]
         return np.abs(np.subtract(state.q, state.q_star))[3:10].max()
 
-    visitor.until(lambda: bent() < 0.003)
+    visitor.until(lambda: bent(visitor.states[-1]) < 0.003)
     visitor.page.unfold("Push")
     visitor.page.choose("link", "tool")
+    tick = visitor.states[-1].tick
     visitor.press("Push")
-    visitor.until(lambda: bent() > 0.01)
+    # A push is short: on a busy machine its peak need not be in the newest state when it is looked.
+    visitor.until(lambda: any(bent(s) > 0.01 for s in list(visitor.states) if s.tick > tick))
 
 
 def test_the_plant_is_paused_and_goes_on(visitor):
