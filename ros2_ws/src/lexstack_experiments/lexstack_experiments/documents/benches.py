@@ -12,7 +12,7 @@ from lexstack_experiments.documents.text import digits, merged, table
 from lexstack_experiments.results import Figure
 from lexstack_experiments.text import cell_text
 
-_KEPT = ("hqp", "transition", "tick", "scaling")
+_KEPT = ("hqp", "transition", "tick", "scaling", "htmpc")
 """The benches with goals whose results are kept in docs/results."""
 
 
@@ -64,6 +64,22 @@ def _one_level(store: Store) -> str:
     return table(columns, merged(rows))
 
 
+def _solves(store: Store) -> str:
+    """Return what two levels of the MPC take, with the paper's problem and with ours."""
+    by: dict[tuple[str, int, int], dict[str, dict[str, Any]]] = {}
+    for row in _titled(store["htmpc"], "two levels"):
+        by.setdefault((row["robot"], row["N"], row["spheres"]), {})[row["parameters"]] = row
+    lines = []
+    for (robot, stages, spheres), row in by.items():
+        authors, ours = row["authors"], row["lexstack"]
+        times = [authors["cpu ms p50"], authors["cpu ms p99"], authors["paper cpu ms p50"]]
+        times += [authors["paper over ours"], ours["cpu ms p50"], ours["cpu ms p99"]]
+        name = [robot, str(stages), str(spheres or "–")]
+        lines.append([*name, *(digits(each, 3) for each in times)])
+    columns = ["robot", "N", "spheres", "authors: ms p50", "p99", "paper's way: ms p50", "ratio"]
+    return table([*columns, "lexstack: ms p50", "p99"], lines)
+
+
 def _plain(rows: list[dict[str, Any]]) -> str:
     """Return a table as it is."""
     return table(list(rows[0]), [[cell_text(cell) for cell in row.values()] for row in rows])
@@ -106,6 +122,7 @@ FIELDS: dict[str, Callable[[Store], str]] = {
     "speed.goals": _goals,
     "hqp.ratios": _hqp,
     "hqp.who": _who,
+    "htmpc.table": _solves,
     "htmpc-peers.table": _one_level,
     "strictness.table": _certificate,
 }
