@@ -196,7 +196,8 @@ def test_the_run_is_served_to_foxglove_with_its_markers(visitor):
     number, stamp, data = next(each for each in client.heard if each[0] == 0)
     state = deserialize_message(data, PlantState)
     seconds = state.header.stamp.sec + 1e-9 * state.header.stamp.nanosec
-    assert abs(1e-9 * stamp - seconds) < 0.1, "simulated time"
+    # Ticks in lockstep outrun the wall, so a message that waits is older than the newest /clock.
+    assert abs(1e-9 * stamp - seconds) < 5.0, "simulated time, not the wall's"
     client.close()
 
 
